@@ -61,6 +61,24 @@ class TorqueStartSettings(Settings):
         "it is built to carry weight. Less is an error of the weight of the arm, as on a robot whose URDF is a third "
         "too light",
     )
+    carried_little: float = Field(
+        default=0.2,
+        ge=0,
+        description="torque of a counterbalance over the largest of its motor, from which there is one too where it "
+        "takes numbers of the model back within their tolerance [1] (chosen)",
+    )
+    taken_back: float = Field(
+        default=0.4,
+        gt=0,
+        lt=1,
+        description="share of the squared deviations of these numbers that it takes back then [1] (chosen): 0.45 and "
+        "0.72 with the spring of an arm, 0.06 and less beside loads and right arms (development cases)",
+    )
+    least_taken_back: float = Field(
+        default=25.0,
+        ge=0,
+        description="sum of their squares that it takes back at least, in standard deviations [1] (chosen)",
+    )
     least_rotor: float = Field(
         default=0.2,
         ge=0,

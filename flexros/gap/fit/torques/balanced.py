@@ -64,20 +64,32 @@ def _with_another(
 ) -> TorqueRegression | None:
     """Return a regression with a torque over position at the motor at which it explains most; None where none does.
 
-    A curve must explain as much more than a counterbalance as that explains itself.
+    A curve must explain as much more than a counterbalance as that explains itself. A counterbalance that carries less
+    leaves little less of the torque, where masses and centres of the links stand for it far out of their tolerance: it
+    is there where it takes most of that back.
     """
     known, turning = before.position_torques, Counterbalance().locations(model.robot)
-    best, most = None, settings.balanced
+    best, most, relieving, least = None, settings.balanced, None, settings.least_taken_back
     for motor, name in enumerate(model.robot.joint_names):
         if not record.predicted[motor] or any(one.motor == motor for one in known):
             continue
-        left, carried = before.rest[motor], settings.carried * np.nanmax(np.abs(record.torque[:, motor]))
+        largest = np.nanmax(np.abs(record.torque[:, motor]))
+        left, carried = before.rest[motor], settings.carried * largest
         for torque in (*([PositionTorque(motor)] if name in turning else []), curve_of(record, motor)):
             found = prepared.solved((*known, torque))
             if found is None:
                 continue
             lowered, left = left > settings.balanced * found.rest[motor], min(left, found.rest[motor])
-            factor = before.rest[motor] / found.rest[motor]
-            if lowered and factor > most and found.position_torques[-1].amplitude >= carried:
+            factor, amplitude = before.rest[motor] / found.rest[motor], found.position_torques[-1].amplitude
+            if lowered and factor > most and amplitude >= carried:
                 best, most = found, factor
-    return best
+            relieved = _strain(before) - _strain(found)
+            helps = torque.span is None and factor > 1.0 and amplitude >= settings.carried_little * largest
+            if helps and relieved > max(least, settings.taken_back * _strain(before)):
+                relieving, least = found, relieved
+    return best or relieving
+
+
+def _strain(regression: TorqueRegression) -> float:
+    """Return how far a regression moves tolerated numbers, as the sum of their squared deviations [1]."""
+    return float(np.sum(regression.deviations**2))
