@@ -25,8 +25,9 @@ class Counterbalance(AbstractMotorTorque):
 
     A spring between a point of the frame and one of the arm, stretched from length zero, has this torque exactly; that
     of a gas cylinder is much like it. Heavy arms have one at the second joint. A diagnosis begins with one where it
-    lowers what is left of the measured torque of its motor by far; in a small motion it looks like a constant torque.
-    Logs of servos have no torques: there it is a candidate like others, where several joints carry weight.
+    lowers what is left of the measured torque of its motor by far, or takes numbers of the model back within their
+    tolerance; in a small motion it looks like a constant torque. Logs of servos have no torques: there it is a
+    candidate like others, where several joints carry weight.
     """
 
     name: ClassVar[str] = "counterbalance"

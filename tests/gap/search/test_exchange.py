@@ -304,7 +304,15 @@ def search_of(*candidates: str) -> Any:
         (BRAKES, True, {*BRAKES, "coulomb_friction@motor_1"}),
         (BRAKES[1:], False, {BRAKES[1], "coulomb_friction@motor_1"}),
     ],
-    ids=["filters do as much", "filters do more", "one filter", "beside a delay", "friction does as much", "does more", "at one motor"],
+    ids=[
+        "filters do as much",
+        "filters do more",
+        "one filter",
+        "beside a delay",
+        "friction does as much",
+        "does more",
+        "at one motor",
+    ],
 )
 def test_what_makes_several_servos_late_becomes_one_delay_that_does_as_much(
     names: tuple[str, ...], worth: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch

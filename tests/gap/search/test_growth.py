@@ -53,6 +53,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         "floor_is_uncertain": lambda *_: False,
         "worth": lambda *_: True,
         "from_nominal_numbers": lambda *_: None,
+        "draws_numbers": lambda *_: False,
         "with_usual": lambda *_: None,
         "_removed": lambda *_: 0.1,
         "corrected": lambda _search, one, *_: one,
@@ -75,6 +76,21 @@ def test_a_search_that_comes_back_to_a_set_of_effects_ends(steps: list[str], mon
     monkeypatch.setattr(growth, "reduced", alternating)
     growth.extended(search_that_never_ends(), fit("first"), [], [])
     assert len(steps) == 2
+
+
+def test_a_search_in_a_circle_beside_numbers_out_of_tolerance_looks_around_the_nominal_ones(
+    steps: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mode of the base promised most around these, and nothing beside a mass five times its tolerance off."""
+
+    def alternating(_search: Any, one: Any, *_: Any) -> Any:
+        return fit("third", "first") if "third" in one.names else fit("second" if len(steps) % 2 else "first")
+
+    monkeypatch.setattr(growth, "reduced", alternating)
+    monkeypatch.setattr(growth, "draws_numbers", lambda *_: True)
+    monkeypatch.setattr(growth, "from_nominal_numbers", lambda _search, one, _fits: fit(*one.names, "third"))
+    found = growth.extended(search_that_never_ends(), fit("first"), [], [])
+    assert found.names == {"first", "third"}
 
 
 @pytest.mark.parametrize(("left", "limited", "expected"), [

@@ -84,7 +84,8 @@ def _with_another(
             if lowered and factor > most and amplitude >= carried:
                 best, most = found, factor
             relieved = _strain(before) - _strain(found)
-            helps = torque.span is None and factor > 1.0 and amplitude >= settings.carried_little * largest
+            carries = settings.carried_little * largest <= amplitude <= largest
+            helps = torque.span is None and factor > 1.0 and carries
             if helps and relieved > max(least, settings.taken_back * _strain(before)):
                 relieving, least = found, relieved
     return best or relieving

@@ -68,14 +68,14 @@ def reduced(search: Search, fit: CandidateFit, fits: list[CandidateFit], removed
             tried = [pair for place, pair in enumerate(least) if place < STRAINED or pair[1] in modes]
             doubtful = [*doubtful, *(pair for pair in tried if pair not in doubtful)]
         rest = _without_one(search, fit, [name for _, name in sorted(doubtful)], fits, removed)
-        if rest is None or _miss_together(search, whole, rest, removed):
+        if rest is None or _miss_together(search, whole, rest):
             break
         fit = rest
     return fit
 
 
-def _miss_together(search: Search, whole: CandidateFit, rest: CandidateFit, removed: float) -> bool:
-    """Return whether several effects that were left out of a simulated log remove together what one alone must.
+def _miss_together(search: Search, whole: CandidateFit, rest: CandidateFit) -> bool:
+    """Return whether several effects that were left out of a simulated log remove together what one must in the end.
 
     Each removes less than that of a rest that grows with every one that goes: beside an effect that no candidate
     explains four true ones went, which the search then found again and again.
@@ -84,11 +84,12 @@ def _miss_together(search: Search, whole: CandidateFit, rest: CandidateFit, remo
         search: The search.
         whole: The fit with all effects.
         rest: The fit without those that were left out.
-        removed: Share of the remaining gap that every effect must remove [1].
     """
+    if len(whole.hypothesis) - len(rest.hypothesis) < 2 or not search.premises.floor_is_noise:
+        return False
     comparison = compared(search, [rest, whole])
-    several = len(whole.hypothesis) - len(rest.hypothesis) > 1 and search.premises.floor_is_noise
-    return several and more_than_chance(comparison, whole) and comparison.removed(rest, whole) >= removed
+    much = comparison.removed(rest, whole) >= search.settings.search.removed
+    return much and more_than_chance(comparison, whole)
 
 
 def _is_doubtful(search: Search, fit: CandidateFit, certain: float, rise: float, names: Sequence[str]) -> bool:

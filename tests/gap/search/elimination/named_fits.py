@@ -129,8 +129,12 @@ def plain_rules(monkeypatch: pytest.MonkeyPatch, *modules: ModuleType) -> None:
     def worth(search: Any, comparison: Any, before: Fit, after: Fit, removed: float) -> bool:
         return before.chi2 - after.chi2 > removed * before.chi2
 
-    comparison = SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: False)
+    def removed(before: Fit, after: Fit) -> float:
+        return (before.chi2 - after.chi2) / (before.chi2 - N)
+
+    comparison = SimpleNamespace(threshold=6.0, beyond_tolerance=lambda _: False, removed=removed)
     rules = {"parameters_of": sizes, "worth": worth, "best_of_each": list, "compared": lambda *_: comparison}
+    rules["more_than_chance"] = lambda _, fit: fit.chi2 > N
     for module in modules:
         for name in rules.keys() & vars(module).keys():
             monkeypatch.setattr(module, name, rules[name])

@@ -134,6 +134,21 @@ def test_of_several_effects_that_a_fit_needs_one_after_the_other_is_left_out() -
     assert found.names == {INERTIA, BIAS, LOAD}
 
 
+@pytest.mark.parametrize(("premises", "expected"), [
+    (SIMULATED, {COULOMB, INERTIA, BIAS}), (MEASURED, {COULOMB}),
+], ids=["simulated", "measured"])  # fmt: skip
+def test_several_effects_left_out_of_a_simulated_log_remove_less_together_than_one_must(
+    premises: Premises, expected: set[str]
+) -> None:
+    """Of ten effects beside one that no candidate explains, four true ones went one after the other."""
+    every = (COULOMB, INERTIA, BIAS, LOAD)
+    chi2 = {frozenset(every[:3]): 2300.0, frozenset(every[:2]): 2690.0, frozenset(every[:1]): 3200.0}
+    search: Any = Search(chi2, {COULOMB: 9000.0, INERTIA: 390.0, BIAS: 320.0, LOAD: 300.0}, ())
+    search.torques_decide, search.premises = False, premises
+    search.parallel = lambda _, function, items, **__: [function(items[0])]
+    assert reduce.reduced(search, Fit(every, 2000.0), [], 0.3).names == expected  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(("strained", "premises", "expected"), [
     (True, SIMULATED, {COULOMB}),
     (False, SIMULATED, {COULOMB, BIAS}),

@@ -12,6 +12,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.checked_log import checked_log
+from flexros.gap.search.servos import plan
 from flexros.gap.search.servos.plan import begun_of, moved_from_zero
 from flexros.gap.settings import ServoStartSettings
 from flexros.record.record import Record
@@ -46,3 +47,16 @@ def test_friction_rotors_and_delays_move_from_zero_on_and_errors_as_ever() -> No
     assert moved["rotor_inertia@motor_2"].high == pytest.approx(100 * inertia)
     error = next(one for one, _ in begun if one.name == "servo_stiffness_error@motor_1")
     assert moved[error.name] == error.free[0]
+
+
+def test_the_rotor_of_a_wrist_may_have_a_thousand_times_the_inertia_of_its_flange(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An arm of six servos: 0.2 kg m2 at a flange of 0.0002, while filters of the commands stood for the rest."""
+    robot = BARE().commanded_by("position")
+    monkeypatch.setattr(plan, "inertias_of_bodies", lambda *_: {"motor_1": 0.03, "motor_2": 1e-4})
+    null: Any = SimpleNamespace(model=RobotWithEffects(robot, ()), data=SimpleNamespace(record=record_of(robot)))
+    begun = begun_of(null, np.array([False, False]), ServoStartSettings())
+    most = {one.name: one.free[0].high for one, _ in moved_from_zero(begun, record_of(robot), robot)}
+    assert most["rotor_inertia@motor_1"] == pytest.approx(3.0)
+    assert most["rotor_inertia@motor_2"] == pytest.approx(20.0 / (2 * np.pi * plan.SLOWEST_SERVO) ** 2)

@@ -294,7 +294,10 @@ def servo_fits(*hidden: str) -> tuple[ServoFits, Begun]:
     ("hidden", "kept"),
     [
         (("delay@all:time=0.03",), set()),
-        (("servo_command_lag@motor_1:time_constant=0.04", "servo_command_lag@motor_2:time_constant=0.005"), {LAG_1, LAG_2}),
+        (
+            ("servo_command_lag@motor_1:time_constant=0.04", "servo_command_lag@motor_2:time_constant=0.005"),
+            {LAG_1, LAG_2},
+        ),
     ],
     ids=["a delay", "filters"],
 )
