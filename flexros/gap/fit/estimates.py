@@ -55,8 +55,9 @@ def _parameter(
 ) -> CauseParameter:
     value = values[free.name]
     angle = free.signed and candidate.neutral(free) is None  # a phase is known as well at zero
+    turned = free.name in candidate.effect.ranges and candidate.effect.ranges[free.name].scale == "phase"
     return CauseParameter(
-        value=value,
+        value=float(np.remainder(value + np.pi, 2 * np.pi) - np.pi) if turned else value,
         std=std,
         unit=unit_of_parameter(candidate, free.name, robot),
         at_limit=free.name in candidate.at_limit(values),

@@ -65,13 +65,14 @@ def test_a_size_that_seems_exact_is_that_of_a_fit_that_diverged(fitted: Candidat
     assert soft["relative"].determined
 
 
-def test_a_phase_is_known_as_well_at_zero() -> None:
+@pytest.mark.parametrize(("phase", "written"), [(0.0, 0.0), (-5.466, 0.817)])
+def test_a_phase_is_known_as_well_at_zero_and_written_within_half_a_turn(phase: float, written: float) -> None:
     ranges = effects()["torque_ripple"].ranges
     free = tuple(free_parameter(name, ranges[name], 1.0) for name in ("amplitude", "phase"))
     ripple = Candidate(effects()["torque_ripple"], "motor_1", free, (("order", 6.0),))
-    theta = np.array(encoded(ripple, amplitude=0.1, phase=0.0))
+    theta = np.array(encoded(ripple, amplitude=0.1, phase=phase))
     (found,) = parameters_of(CandidateFit(predictor_of(ripple), theta, 1.0, 1e4 * np.eye(len(theta))))
-    assert found["phase"].std > found["phase"].value == 0.0
+    assert found["phase"].value == pytest.approx(written, abs=1e-3)
     assert found["phase"].determined
 
 

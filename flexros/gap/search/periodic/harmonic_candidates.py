@@ -63,13 +63,14 @@ def harmonic_candidates(
     own = LANES - len(every) + 1
     candidates: list[Candidate] = []
     for motor, location in enumerate(robot.joint_names):
+        lowest = 0.0 if data.record.premises.library_is_complete else search.lowest(motor)
         here = [(effect, way) for effect, way in every if location in effect().locations(robot)]
         harmonics = [search.search(motor, way.entry, own) for _, way in here]
         for index, (effect, way) in enumerate(here):
             others = [rest[0].order for rest in harmonics[:index] + harmonics[index + 1 :] if rest]
             together = (*harmonics[index], *(search.fit(motor, way.entry, order) for order in others))
             if together:
-                free = _free(together, way.largest)
+                free = _free(together, way.largest, lowest)
                 candidates.append(Candidate(effect, location, free, way.fixed, together=True))
     return tuple(candidates)
 
@@ -190,12 +191,13 @@ class _Neighbours:
         return theta
 
 
-def _free(harmonics: Sequence[HarmonicFit], most: float) -> tuple[FreeParameter, ...]:
+def _free(harmonics: Sequence[HarmonicFit], most: float, lowest: float = 0.0) -> tuple[FreeParameter, ...]:
     amplitudes = tuple(min(max(harmonic.amplitude, 1e-15), most) for harmonic in harmonics)
     orders, phases = tuple(harmonic.order for harmonic in harmonics), tuple(harmonic.phase for harmonic in harmonics)
     high = min(max(amplitudes) * 1e4, most)
+    low = min(max(min(orders) / AROUND, lowest), min(orders))
     return (
         FreeParameter("amplitude", min(amplitudes) * 1e-4, high, signed=False, starts=amplitudes),
-        FreeParameter("order", min(orders) / AROUND, max(orders) * AROUND, signed=False, starts=orders, fine=FINE),
+        FreeParameter("order", low, max(orders) * AROUND, signed=False, starts=orders, fine=FINE),
         FreeParameter("phase", 0.0, TURNS * 2 * np.pi, signed=True, starts=phases, fine=1.0 / TURNS),
     )

@@ -118,9 +118,8 @@ class OrderSearch:
         Returns:
             Harmonics by gain, the largest first.
         """
-        angle = self._angle(motor)
-        resolution, highest = 2 * np.pi / max(float(np.ptp(angle)), 1e-12), self._highest(motor, angle)
-        lowest = resolution * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
+        angle, resolution, lowest = self._angle(motor), self._resolution(motor), self.lowest(motor)
+        highest = self._highest(motor, angle)
         if highest <= lowest:
             return ()
         factor, chosen = self._factor(motor, entry), set[float]()
@@ -148,6 +147,14 @@ class OrderSearch:
 
         first, *others = sorted((refined(fit, spacing) for fit in best), key=lambda fit: -fit.gain)
         return refined(first, spacing / PADDING), *others
+
+    def lowest(self, motor: int) -> float:
+        """Return the lowest order that is sought at a motor [1]."""
+        return self._resolution(motor) * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
+
+    def _resolution(self, motor: int) -> float:
+        """Return the order of one period over the travel of a rotor [1]."""
+        return 2 * np.pi / max(float(np.ptp(self._angle(motor))), 1e-12)
 
     def _refined(self, motor: int, entry: Entry, middle: HarmonicFit, spacing: float) -> HarmonicFit:
         """Move an order to the maximum of its gain, by a parabola through three orders at a distance."""

@@ -15,8 +15,8 @@ from flexros.gap.fit.initial_values import initial_values
 from flexros.gap.fit.linearisation import linearise
 from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.periodic import harmonic_candidates
-from flexros.gap.search.periodic.harmonic_candidates import neighbouring_orders
-from flexros.gap.search.periodic.harmonics import VALLEYS
+from flexros.gap.search.periodic.harmonic_candidates import _free, neighbouring_orders
+from flexros.gap.search.periodic.harmonics import VALLEYS, HarmonicFit
 from tests.gap.diagnosis_logs import WHOLE, candidates_of, encoded, predictor_of, search_of
 
 pytestmark = pytest.mark.slow
@@ -169,3 +169,10 @@ def test_orders_whose_prediction_diverges_are_no_neighbours(
 
     monkeypatch.setattr(harmonic_candidates, "changes_of", diverging)
     assert neighbouring_orders(fit, search.data, search.rows).shape == (3, len(VALLEYS) - 1)
+
+
+@pytest.mark.parametrize(("lowest", "expected"), [(0.0, 0.02), (0.05, 0.05), (0.1, 0.06)])
+def test_an_order_of_a_measured_log_moves_down_to_the_lowest_that_is_sought(lowest: float, expected: float) -> None:
+    """A wave as long as the travel of a gantry stood for the chain of its cables, and drew two more false names."""
+    (_, order, _) = _free([HarmonicFit(order, 1.0, 0.0, 10.0) for order in (0.06, 0.3)], 10.0, lowest)
+    assert (order.low, order.high) == (pytest.approx(expected), pytest.approx(0.9))
