@@ -71,13 +71,13 @@ class TorqueStartSettings(Settings):
         default=0.4,
         gt=0,
         lt=1,
-        description="share of the squared deviations of these numbers that it takes back then [1] (chosen): 0.45 and "
-        "0.72 with the spring of an arm, 0.06 and less beside loads and right arms (development cases)",
+        description="share of the squared deviations of these numbers that it takes back then [1] (chosen)",
     )
     least_taken_back: float = Field(
-        default=25.0,
+        default=60.0,
         ge=0,
-        description="sum of their squares that it takes back at least, in standard deviations [1] (chosen)",
+        description="sum of their squares that it takes back at least, over their tolerances [1] (chosen): 104 with "
+        "the spring of a simulated arm, 43 and less on measured arms without one, where it is an error of their weight",
     )
     least_rotor: float = Field(
         default=0.2,
