@@ -292,10 +292,10 @@ def rivals_of(
 
 
 def best_rival(explanations: Explanations) -> CandidateFit | None:
-    """Return the most probable explanation with other effects than the chosen one; None where nothing was detected."""
+    """Return the most probable explanation with other effects than the chosen one; None without any."""
     if not explanations.detected:
         return None
-    return next((fit for fit in explanations.rivals if fit.names != explanations.chosen.names), None)
+    return next((fit for fit in explanations.rivals if fit.names and fit.names != explanations.chosen.names), None)
 
 
 def groups_of(

@@ -137,14 +137,17 @@ def _warnings(
     robot: Robot,
     numbers: NoiseSettings,
 ) -> tuple[str, ...]:
+    stated = robot.encoder_noise
+    differs = [k for k in range(len(stated)) if stated[k] > 0 and abs(deviation[k] / stated[k] - 1) > numbers.differs]
     warnings = []
+    for kind in dict.fromkeys(source[motor] for motor in differs):
+        own = [motor for motor in differs if source[motor] == kind]
+        values = "the measured value is" if len(own) == 1 else "the measured values are"
+        warnings.append(
+            f"the encoder noise of {', '.join(robot.joint_names[motor] for motor in own)} is "
+            f"{_span(deviation[own])} ({kind}), the robot file declares {_span(stated[own])}; {values} used"
+        )
     for motor, name in enumerate(robot.joint_names):
-        stated = float(robot.encoder_noise[motor])
-        if stated > 0 and abs(deviation[motor] / stated - 1) > numbers.differs:
-            warnings.append(
-                f"the encoder noise of {name} is {deviation[motor]:.3g} ({source[motor]}), the robot file declares "
-                f"{stated:.3g}; the measured value is used"
-            )
         if len(colours[motor]):
             listed = ", ".join(f"{value:.2f}" for value in colours[motor])
             warnings.append(f"the encoder noise of {name} is not white (autoregression {listed})")
@@ -154,6 +157,12 @@ def _warnings(
             "instants; stamps need not show it"
         )
     return tuple(warnings)
+
+
+def _span(values: FloatArray) -> str:
+    """Write the smallest and the largest of some values, or the one that all are."""
+    low, high = f"{values.min():.3g}", f"{values.max():.3g}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _kept_as_stated(deviation: FloatArray, source: list[str], robot: Robot, numbers: NoiseSettings) -> tuple[str, ...]:

@@ -97,7 +97,7 @@ class RankingSettings(Settings):
         "another log had 0.06 and 0.39, one that did not 0.01",
     )
     undetermined: float = Field(
-        default=2.0,
+        default=1.0,
         ge=0,
         description="size of an effect of a measured log over its standard deviation, with errors of form, below which "
         "it is withdrawn where predictions of the held-out log are no worse without it [1] (chosen: not determined)",

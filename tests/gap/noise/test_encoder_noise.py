@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.gap.noise import encoder_noise
 from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
@@ -76,6 +77,20 @@ def test_noise_unlike_the_robot_file_is_reported(robot: Robot) -> None:
     (warning,) = noise.warnings
     assert f"encoder noise of motor_1 is {noise.standard_deviation[0]:.3g} (standstill)" in warning
     assert "declares 0.0001" in warning
+
+
+def test_noise_unlike_the_robot_file_at_several_motors_is_reported_once() -> None:
+    """Six lines said the same of an arm of six axes."""
+    robot = load_robot("elbow")
+    stated = robot.encoder_noise
+    warnings = encoder_noise._warnings(
+        0.5 * stated, [np.zeros(0)] * len(stated), 0.0, ["above the band"] * len(stated), robot, SETTINGS.noise
+    )
+    (warning,) = warnings
+    assert warning.startswith(f"the encoder noise of {', '.join(robot.joint_names)} is ")
+    assert warning.endswith(
+        "(above the band), the robot file declares " + f"{stated[0]:.3g}; the measured values are used"
+    )
 
 
 @pytest.mark.parametrize("a", [0.3, 0.8, -0.4])
