@@ -63,14 +63,13 @@ def harmonic_candidates(
     own = LANES - len(every) + 1
     candidates: list[Candidate] = []
     for motor, location in enumerate(robot.joint_names):
-        lowest = 0.0 if data.record.premises.library_is_complete else search.lowest(motor)
         here = [(effect, way) for effect, way in every if location in effect().locations(robot)]
         harmonics = [search.search(motor, way.entry, own) for _, way in here]
         for index, (effect, way) in enumerate(here):
             others = [rest[0].order for rest in harmonics[:index] + harmonics[index + 1 :] if rest]
             together = (*harmonics[index], *(search.fit(motor, way.entry, order) for order in others))
             if together:
-                free = _free(together, way.largest, lowest)
+                free = _free(together, way.largest, search.least(motor))
                 candidates.append(Candidate(effect, location, free, way.fixed, together=True))
     return tuple(candidates)
 

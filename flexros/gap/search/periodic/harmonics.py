@@ -36,6 +36,9 @@ VALLEYS = np.array([index for index in range(-8, 9) if index])
 FEWEST_MEASURED = 2.0
 """Fewest periods of a harmonic over the travel of a rotor from which orders are sought in a measured log [1] (chosen):
 with fewer it is like a torque over the angle that no law explains, as of a cable."""
+LEAST_MEASURED = 1.5
+"""Periods down to which such an order moves in a fit [1] (chosen): 1.0 stood for a chain of cables, and 1.75 predicts
+two further logs of a measured arm."""
 NOISE = (1e-1, 1e-2, 1e-3)
 """Powers of the noise of the errors over the largest of a disturbance of unit power [1] (chosen)."""
 BY_STEPS = 0.5
@@ -118,7 +121,8 @@ class OrderSearch:
         Returns:
             Harmonics by gain, the largest first.
         """
-        angle, resolution, lowest = self._angle(motor), self._resolution(motor), self.lowest(motor)
+        angle, resolution = self._angle(motor), self._resolution(motor)
+        lowest = resolution * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
         highest = self._highest(motor, angle)
         if highest <= lowest:
             return ()
@@ -148,9 +152,9 @@ class OrderSearch:
         first, *others = sorted((refined(fit, spacing) for fit in best), key=lambda fit: -fit.gain)
         return refined(first, spacing / PADDING), *others
 
-    def lowest(self, motor: int) -> float:
-        """Return the lowest order that is sought at a motor [1]."""
-        return self._resolution(motor) * (1.0 if self.data.record.premises.library_is_complete else FEWEST_MEASURED)
+    def least(self, motor: int) -> float:
+        """Return the lowest order to which one moves in a fit at a motor [1]; 0 in a simulated log."""
+        return 0.0 if self.data.record.premises.library_is_complete else LEAST_MEASURED * self._resolution(motor)
 
     def _resolution(self, motor: int) -> float:
         """Return the order of one period over the travel of a rotor [1]."""

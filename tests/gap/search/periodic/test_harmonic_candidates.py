@@ -172,7 +172,7 @@ def test_orders_whose_prediction_diverges_are_no_neighbours(
 
 
 @pytest.mark.parametrize(("lowest", "expected"), [(0.0, 0.02), (0.05, 0.05), (0.1, 0.06)])
-def test_an_order_of_a_measured_log_moves_down_to_the_lowest_that_is_sought(lowest: float, expected: float) -> None:
+def test_an_order_moves_down_to_the_lowest_that_a_measured_log_shows(lowest: float, expected: float) -> None:
     """A wave as long as the travel of a gantry stood for the chain of its cables, and drew two more false names."""
     (_, order, _) = _free([HarmonicFit(order, 1.0, 0.0, 10.0) for order in (0.06, 0.3)], 10.0, lowest)
     assert (order.low, order.high) == (pytest.approx(expected), pytest.approx(0.9))
