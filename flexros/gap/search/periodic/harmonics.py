@@ -37,8 +37,8 @@ FEWEST_MEASURED = 2.0
 """Fewest periods of a harmonic over the travel of a rotor from which orders are sought in a measured log [1] (chosen):
 with fewer it is like a torque over the angle that no law explains, as of a cable."""
 LEAST_MEASURED = 1.5
-"""Periods down to which such an order moves in a fit [1] (chosen): 1.0 stood for a chain of cables, and 1.75 predicts
-two further logs of a measured arm."""
+"""Periods down to which such an order moves in a fit [1] (chosen): 1.0 stood for a chain of cables, and with 1.75 less
+of another log of a measured arm is left."""
 NOISE = (1e-1, 1e-2, 1e-3)
 """Powers of the noise of the errors over the largest of a disturbance of unit power [1] (chosen)."""
 BY_STEPS = 0.5
