@@ -14,7 +14,7 @@ from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.answer.told_apart import told_apart
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import beyond_search
-from flexros.gap.fit.limits import at_limits
+from flexros.gap.fit.limits import at_limits, numbers_at_limits
 from flexros.gap.fit.null_fit import predicting_best
 from flexros.gap.fit.tolerance_takeover import with_own_numbers
 from flexros.gap.held_out.closed_share import NOTHING, closed_fraction, share_between
@@ -24,6 +24,7 @@ from flexros.gap.held_out.one_sample import surely_worse
 from flexros.gap.search.elimination.clear_sizes import unclear
 from flexros.gap.search.forward_selection import explanations_of
 from flexros.gap.search.worth import compared
+from flexros.robot.parameters import DAMPER
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -68,9 +69,9 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
     are better by more than chance, clearly so unless the effect closes nothing beside the others and is none that the
     torques show clearly, such as friction, and those of one sample are not worse by more than chance. One whose size is
-    not determined, with errors of form, is also withdrawn where they are no worse. A simulated log has no such errors
-    of form. One that comes back as a number of the model far out of its tolerance is not withdrawn: the fitted log
-    needs it.
+    not determined, with errors of form, or of a spring whose damping is not, is also withdrawn where they are no worse.
+    A simulated log has no such errors of form. One that comes back as a number of the model far out of its tolerance is
+    not withdrawn: the fitted log needs it.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -239,7 +240,7 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     def without(name: str) -> tuple[str, CandidateFit]:
         return name, search.without(chosen, name)
 
-    undetermined = unclear(search, chosen, settings.undetermined)
+    undetermined = _of_runaway_springs(chosen).union(unclear(search, chosen, settings.undetermined))
     shown = search.shown_by_torques(chosen).difference(unclear(search, chosen, CLEAR))
     best, least, needless = None, np.inf, []
     for name, fit in search.parallel("effects on held-out data", without, sorted(chosen.names)):
@@ -255,6 +256,16 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
         if not any(comes_back(name, rest) for name in needless) and gain_nothing(rest, share_of(rest)):
             return rest
     return best
+
+
+def _of_runaway_springs(fit: CandidateFit) -> frozenset[str]:
+    """Return the effects of springs whose damping ended at the limit of its search: no log determines either then.
+
+    Args:
+        fit: The fit.
+    """
+    limited = {name.removesuffix(DAMPER) for name in numbers_at_limits(fit) if name.endswith(DAMPER)}
+    return frozenset(one.name for one in fit.hypothesis if one.location in limited)
 
 
 def comes_back(name: str, fit: CandidateFit) -> bool:

@@ -112,6 +112,24 @@ def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_i
     assert kept.explanations.chosen.names == {FRICTION}
 
 
+@pytest.mark.parametrize(
+    ("limited", "kept"), [("body_2.rz.damping", {FRICTION}), ("motor_1.inertia", {FRICTION, SOFT})]
+)
+def test_a_spring_whose_damping_ran_to_its_limit_is_not_determined(
+    limited: str, kept: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of six elastic axes a spring was "-61.1 % (6.9)", where it was right, and closed nothing in another log."""
+    null = fit_null(measured(BOTH[0]), MODEL, Tolerance())
+    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error"))
+    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
+    chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
+    explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
+    monkeypatch.setattr(withdrawal, "unclear", lambda *_: frozenset())
+    monkeypatch.setattr(withdrawal, "numbers_at_limits", lambda _: frozenset({limited}))
+    found = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    assert found.explanations.chosen.names == kept
+
+
 def test_effects_of_undetermined_sizes_that_gain_nothing_go_at_once() -> None:
     """Of an arm of six axes seven such effects took a round of fits each, and were named when the time was over."""
     null = fit_null(measured(BOTH[0]), MODEL, Tolerance())
