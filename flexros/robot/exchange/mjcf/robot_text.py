@@ -43,6 +43,7 @@ def robot_text(model: Any, name: str, source: str, arm: MjcfArm, axes: Sequence[
     data["defaults"] = CommentedMap(import_defaults(source))
     data["gravity"] = _numbers(arm.gravity)
     data["sample_time"] = float(model.opt.timestep)
+    data.yaml_add_eol_comment("step of the simulator: state that of the controller where it is longer", "sample_time")
     if delay:
         data["delay"] = delay
     following = [axis.joint.anchor for axis in axes[1:]]
