@@ -12,6 +12,7 @@ from flexros.gap.answer.decision import level_of_positions, on_held_out
 from flexros.gap.answer.rivals.most_probable import most_probable
 from flexros.gap.answer.strained_numbers import STRAINED, far_out
 from flexros.gap.answer.told_apart import told_apart
+from flexros.gap.candidates.candidate import simpler
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.estimates import beyond_search
 from flexros.gap.fit.limits import at_limits, numbers_at_limits
@@ -69,9 +70,9 @@ def confirmed(search: Search, explanations: Explanations, held: FitData) -> Conf
     another motion. An effect is withdrawn where, with all others fitted again without it, the predictions 0.1 s ahead
     are better by more than chance, clearly so unless the effect closes nothing beside the others and is none that the
     torques show clearly, such as friction, and those of one sample are not worse by more than chance. One whose size is
-    not determined, with errors of form, or of a spring whose damping is not, is also withdrawn where they are no worse.
-    A simulated log has no such errors of form. One that comes back as a number of the model far out of its tolerance is
-    not withdrawn: the fitted log needs it.
+    not determined, with errors of form, or of a spring whose damping is not, or that another effect contains, is also
+    withdrawn where they are no worse. A simulated log has no such errors of form. One that comes back as a number of
+    the model far out of its tolerance is not withdrawn: the fitted log needs it.
 
     Where the nominal model leaves no more than noise and tolerance in either log, there is no gap that an effect could
     be the cause of: one that does not hold in the held-out log is chance, however much it gains in the fitted one. So
@@ -240,7 +241,7 @@ def _better_without(search: Search, chosen: CandidateFit, before: AheadErrors, h
     def without(name: str) -> tuple[str, CandidateFit]:
         return name, search.without(chosen, name)
 
-    undetermined = _of_runaway_springs(chosen).union(unclear(search, chosen, settings.undetermined))
+    undetermined = {*unclear(search, chosen, settings.undetermined), *_of_runaway_springs(chosen), *_contained(chosen)}
     shown = search.shown_by_torques(chosen).difference(unclear(search, chosen, CLEAR))
     best, least, needless = None, np.inf, []
     for name, fit in search.parallel("effects on held-out data", without, sorted(chosen.names)):
@@ -266,6 +267,15 @@ def _of_runaway_springs(fit: CandidateFit) -> frozenset[str]:
     """
     limited = {name.removesuffix(DAMPER) for name in numbers_at_limits(fit) if name.endswith(DAMPER)}
     return frozenset(one.name for one in fit.hypothesis if one.location in limited)
+
+
+def _contained(fit: CandidateFit) -> frozenset[str]:
+    """Return the effects of a fit that another one at their place contains, as presliding friction Coulomb friction.
+
+    Args:
+        fit: The fit.
+    """
+    return fit.names & frozenset[str]().union(*map(simpler, fit.hypothesis))
 
 
 def comes_back(name: str, fit: CandidateFit) -> bool:

@@ -101,13 +101,17 @@ def test_effects_that_hold_in_the_held_out_log_stay() -> None:
     assert kept.explanations is found()[1]
 
 
-def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_is_withdrawn() -> None:
+def fitted_to_friction() -> tuple[Search, Explanations]:
+    """An error of a spring that stands for nothing, beside the friction that is there."""
     null = fit_null(measured(BOTH[0]), MODEL, Tolerance())
     search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error"))
     additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
     chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
-    explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
-    kept = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    return search, explanations_of(search, compared(search, [chosen]), chosen, detected=True)
+
+
+def test_an_effect_of_undetermined_size_that_gains_nothing_in_the_held_out_log_is_withdrawn() -> None:
+    kept = confirmed(*fitted_to_friction(), measured(BOTH[0], seed=2))
     assert kept.withdrawn == (SOFT,)
     assert kept.explanations.chosen.names == {FRICTION}
 
@@ -119,15 +123,18 @@ def test_a_spring_whose_damping_ran_to_its_limit_is_not_determined(
     limited: str, kept: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of six elastic axes a spring was "-61.1 % (6.9)", where it was right, and closed nothing in another log."""
-    null = fit_null(measured(BOTH[0]), MODEL, Tolerance())
-    search = prepare_search(null, settings_of("coulomb_friction", "stiffness_error"))
-    additions = search.additions(search.directions(search.candidates()), null.fit, search.surroundings(null.fit))
-    chosen = search.together(null.fit, [one for one in additions if one.candidate.name in (FRICTION, SOFT)])
-    explanations = explanations_of(search, compared(search, [chosen]), chosen, detected=True)
-    monkeypatch.setattr(withdrawal, "unclear", lambda *_: frozenset())
+    monkeypatch.setattr(withdrawal, "unclear", lambda *_: [])
     monkeypatch.setattr(withdrawal, "numbers_at_limits", lambda _: frozenset({limited}))
-    found = confirmed(search, explanations, measured(BOTH[0], seed=2))
+    found = confirmed(*fitted_to_friction(), measured(BOTH[0], seed=2))
     assert found.explanations.chosen.names == kept
+
+
+def test_an_effect_that_another_one_at_its_place_contains_is_not_determined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coulomb friction of 0.064 Nm stood beside presliding friction of 0.8 Nm, where the sum was 0.85 Nm."""
+    monkeypatch.setattr(withdrawal, "unclear", lambda *_: [])
+    monkeypatch.setattr(withdrawal, "simpler", lambda one: {SOFT} if one.name == FRICTION else set())
+    found = confirmed(*fitted_to_friction(), measured(BOTH[0], seed=2))
+    assert found.explanations.chosen.names == {FRICTION}
 
 
 def test_effects_of_undetermined_sizes_that_gain_nothing_go_at_once() -> None:
