@@ -62,7 +62,7 @@ class TorqueStartSettings(Settings):
         "too light",
     )
     carried_little: float = Field(
-        default=0.2,
+        default=0.3,
         ge=0,
         description="torque of a counterbalance over the largest of its motor, from which there is one too where it "
         "takes numbers of the model back within their tolerance [1] (chosen)",

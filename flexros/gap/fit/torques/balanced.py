@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,8 +10,11 @@ import numpy as np
 from flexros.effects.counterbalance import Counterbalance
 from flexros.gap.fit.torques.position_torque import PositionTorque, curve_of
 from flexros.gap.fit.torques.regression import prepared_regression
+from flexros.gap.fit.torques.rough_bodies import with_rough_bodies
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.gap.fit.torques.arm_torque import ArmTorque
@@ -45,10 +49,15 @@ def regress_balanced(
     Returns:
         The regression; None where there is none without these.
     """
-    prepared = prepared_regression(record, model, tolerance, arm, delay=delay, settings=settings)
+
+    def prepare(allowed: Tolerance) -> PreparedRegression | None:
+        return prepared_regression(record, model, allowed, arm, delay=delay, settings=settings)
+
+    prepared, rough = prepare(tolerance), partial(prepare, with_rough_bodies(tolerance, settings.rough_bodies))
     found = None if prepared is None else prepared.solved()
     while prepared is not None and found is not None:
         better = _with_another(found, prepared, record, model, settings)
+        better = better or _relieving(found, prepared, rough, record, model, settings)
         if better is None:
             break
         found = better
@@ -64,31 +73,74 @@ def _with_another(
 ) -> TorqueRegression | None:
     """Return a regression with a torque over position at the motor at which it explains most; None where none does.
 
-    A curve must explain as much more than a counterbalance as that explains itself. A counterbalance that carries less
-    leaves little less of the torque, where masses and centres of the links stand for it far out of their tolerance: it
-    is there where it takes most of that back.
+    A curve must explain as much more than a counterbalance as that explains itself.
     """
     known, turning = before.position_torques, Counterbalance().locations(model.robot)
-    best, most, relieving, least = None, settings.balanced, None, settings.least_taken_back
+    best, most = None, settings.balanced
     for motor, name in enumerate(model.robot.joint_names):
         if not record.predicted[motor] or any(one.motor == motor for one in known):
             continue
-        largest = np.nanmax(np.abs(record.torque[:, motor]))
-        left, carried = before.rest[motor], settings.carried * largest
+        left, carried = before.rest[motor], settings.carried * _largest(record, motor)
         for torque in (*([PositionTorque(motor)] if name in turning else []), curve_of(record, motor)):
             found = prepared.solved((*known, torque))
             if found is None:
                 continue
             lowered, left = left > settings.balanced * found.rest[motor], min(left, found.rest[motor])
-            factor, amplitude = before.rest[motor] / found.rest[motor], found.position_torques[-1].amplitude
-            if lowered and factor > most and amplitude >= carried:
+            factor = before.rest[motor] / found.rest[motor]
+            if lowered and factor > most and found.position_torques[-1].amplitude >= carried:
                 best, most = found, factor
-            relieved = _strain(before) - _strain(found)
-            carries = settings.carried_little * largest <= amplitude <= largest
-            helps = torque.span is None and factor > 1.0 and carries
-            if helps and relieved > max(least, settings.taken_back * _strain(before)):
-                relieving, least = found, relieved
-    return best or relieving
+    return best
+
+
+def _relieving(
+    before: TorqueRegression,
+    prepared: PreparedRegression,
+    rough: Callable[[], PreparedRegression | None],
+    record: Record,
+    model: RobotWithEffects,
+    settings: TorqueStartSettings,
+) -> TorqueRegression | None:
+    """Return a regression with a counterbalance that takes numbers of the links back within their tolerance.
+
+    One that carries less than others leaves little less of the torque, as masses and centres far out of their tolerance
+    stand for it. These may be wrong as well: then links that may be farther off leave less without it.
+
+    Args:
+        before: The regression without it.
+        prepared: The same, not solved.
+        rough: Prepares one with rough numbers of the links.
+        record: The log.
+        model: The nominal model.
+        settings: Settings of the regression.
+
+    Returns:
+        The regression; None without such a counterbalance.
+    """
+    known, turning = before.position_torques, Counterbalance().locations(model.robot)
+    best, least = None, max(settings.least_taken_back, settings.taken_back * _strain(before))
+    for motor, name in enumerate(model.robot.joint_names):
+        if _strain(before) < least or name not in turning or not record.predicted[motor]:
+            continue
+        found = None if any(one.motor == motor for one in known) else prepared.solved((*known, PositionTorque(motor)))
+        largest = _largest(record, motor)
+        if found is None or not (
+            settings.carried_little * largest <= found.position_torques[-1].amplitude <= largest
+            and found.rest[motor] < before.rest[motor]
+        ):
+            continue
+        if _strain(before) - _strain(found) > least:
+            best, least = found, _strain(before) - _strain(found)
+    farther = rough() if best is not None else None
+    without = None if farther is None else farther.solved(known)
+    if best is None or without is None:
+        return best
+    motor = best.position_torques[-1].motor
+    return best if best.rest[motor] <= without.rest[motor] else None
+
+
+def _largest(record: Record, motor: int) -> float:
+    """Return the largest torque of a motor in a log [Nm or N]."""
+    return float(np.nanmax(np.abs(record.torque[:, motor])))
 
 
 def _strain(regression: TorqueRegression) -> float:

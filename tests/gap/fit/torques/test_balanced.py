@@ -45,3 +45,16 @@ def test_a_cable_whose_torque_has_no_law_is_a_curve_that_hides_no_rotor() -> Non
     low, high = curve.span
     pulled = np.linspace(low, high, len(curve.sizes)) - record.position[:, 1].mean()
     np.testing.assert_allclose(curve.sizes, -cable[0] * pulled - cable[1] * pulled**3, atol=0.05 * curve.amplitude)
+
+
+def test_wrong_masses_and_centres_are_no_counterbalance() -> None:
+    """One would take them back within their tolerance, but links that are as far off leave less without it."""
+    file = arm().with_values({"body_1.center_of_mass.x": 0.3, "body_2.mass": 3.6})
+    record, settings = (
+        record_of_arm(imported=True, seconds=10.0),
+        TorqueStartSettings(least_taken_back=20.0, carried_little=0.1),
+    )
+    tolerance = tolerance_of(file, {"inertia": 0.01})
+    found = regress_balanced(record, RobotWithEffects(file, ()), tolerance, settings=settings)
+    assert found is not None
+    assert found.position_torques == ()
