@@ -62,13 +62,13 @@ class TorqueStartSettings(Settings):
         "too light",
     )
     carried_little: float = Field(
-        default=0.3,
+        default=0.25,
         ge=0,
         description="torque of a counterbalance over the largest of its motor, from which there is one too where it "
         "takes numbers of the model back within their tolerance [1] (chosen)",
     )
     taken_back: float = Field(
-        default=0.4,
+        default=0.3,
         gt=0,
         lt=1,
         description="share of the squared deviations of these numbers that it takes back then [1] (chosen)",
@@ -76,8 +76,8 @@ class TorqueStartSettings(Settings):
     least_taken_back: float = Field(
         default=60.0,
         ge=0,
-        description="sum of their squares that it takes back at least, over their tolerances [1] (chosen): 104 with "
-        "the spring of a simulated arm, 43 and less on measured arms without one, where it is an error of their weight",
+        description="sum of their squares that it takes back at least, over their tolerances [1] (chosen): 90 and more "
+        "with the spring of a simulated arm, 50 and less on measured arms, where it is an error of their weight",
     )
     least_rotor: float = Field(
         default=0.2,
