@@ -73,6 +73,7 @@ def test_a_phase_is_known_as_well_at_zero_and_written_within_half_a_turn(phase: 
     theta = np.array(encoded(ripple, amplitude=0.1, phase=phase))
     (found,) = parameters_of(CandidateFit(predictor_of(ripple), theta, 1.0, 1e4 * np.eye(len(theta))))
     assert found["phase"].value == pytest.approx(written, abs=1e-3)
+    assert found["phase"].std > 0.0
     assert found["phase"].determined
 
 

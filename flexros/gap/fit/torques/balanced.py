@@ -116,21 +116,20 @@ def _relieving(
     Returns:
         The regression; None without such a counterbalance.
     """
-    known, turning = before.position_torques, Counterbalance().locations(model.robot)
-    best, least = None, max(settings.least_taken_back, settings.taken_back * _strain(before))
-    for motor, name in enumerate(model.robot.joint_names):
-        if _strain(before) < least or name not in turning or not record.predicted[motor]:
+    known, strain = before.position_torques, _strain(before)
+    best, least = None, max(settings.least_taken_back, settings.taken_back * strain)
+    if strain < least:
+        return None
+    for name in Counterbalance().locations(model.robot):
+        motor = model.robot.joint_names.index(name)
+        if not record.predicted[motor] or any(one.motor == motor for one in known):
             continue
-        found = None if any(one.motor == motor for one in known) else prepared.solved((*known, PositionTorque(motor)))
-        largest = _largest(record, motor)
-        if found is None or not (
-            settings.carried_little * largest <= found.position_torques[-1].amplitude <= largest
-            and found.rest[motor] < before.rest[motor]
-        ):
+        found, largest = prepared.solved((*known, PositionTorque(motor))), _largest(record, motor)
+        if found is None or found.rest[motor] >= before.rest[motor] or strain - _strain(found) <= least:
             continue
-        if _strain(before) - _strain(found) > least:
-            best, least = found, _strain(before) - _strain(found)
-    farther = rough() if best is not None else None
+        if settings.carried_little * largest <= found.position_torques[-1].amplitude <= largest:
+            best, least = found, strain - _strain(found)
+    farther = None if best is None else rough()
     without = None if farther is None else farther.solved(known)
     if best is None or without is None:
         return best
