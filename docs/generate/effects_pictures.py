@@ -296,6 +296,11 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
         over_speed,
         "friction_curve@motor_1:standstill=8,speed_10=2,speed_25=18,speed_50=6,speed_75=10,speed_100=12,speed=0.25",
     ),
+    "friction_over_position": (
+        over_way,
+        "friction_over_position@motor_1:level_1=8,level_2=8,level_3=10,level_4=25,level_5=20,level_6=6,level_7=4,level_8=4,"
+        "low=-0.04,high=0.065",
+    ),
     "friction_drift": (lambda text: over_time(text, 12.0), "friction_drift@motor_1:coulomb=20,time_constant=4"),
     "gravity_error": (holding, "gravity_error@body_2:relative=0.2"),
     "hysteresis": (

@@ -82,9 +82,10 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
     warnings += _less_excited(findings, gap)
     given = findings.as_given
     if explanations.detected and given.kept:
+        lacks = ", ".join(sorted(given.kept))
         warnings.append(
-            f"without {', '.join(sorted(given.kept))}, which the model lacks, motors are predicted hardly better 0.1 s "
-            "ahead than by their last position: the gap before the repair is that of the model with them"
+            f"the nominal model lacks {lacks}, and without that it predicts 0.1 s ahead hardly better than that all "
+            f"motors stay where they are: the gap before the repair is that of the model with {lacks}"
         )
     return [
         *torque_warnings(findings),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects.kinds.curve import AbstractCurve
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.search.curve_candidates import list_curves, within_motion, without_shared
 from flexros.gap.search.fits.additions import Addition
@@ -74,6 +75,35 @@ def with_curves(
 def curves_of(hypothesis: Hypothesis) -> list[Candidate]:
     """List the curves among the candidates of a hypothesis."""
     return [one for one in hypothesis if issubclass(one.effect, AbstractCurve)]
+
+
+def with_constants(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Let curves of torques take up the constant torque at their motor, which is a part of them.
+
+    Beside the constant one, a curve lacks its first size. Both together are one cause.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    for curve in curves_of(fit.hypothesis):
+        sizes = {one.name: one for one in curve.free}
+        shared = curve.effect.extends.get(TorqueBias.name, {})
+        lacking = [replace(curve.free[0], name=name) for name in shared if name not in sizes]
+        constant = next((one for one in fit.hypothesis if one.name == f"{TorqueBias.name}@{curve.location}"), None)
+        if not lacking or constant is None or search.deadline.stops():
+            continue
+        whole = replace(curve, free=(*lacking, *curve.free))
+        values = dict(zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True))
+        level = values[constant]["level"]
+        values[whole] = {one.name: level + values[curve].get(one.name, 0.0) for one in whole.free}
+        hypothesis = tuple(whole if one is curve else one for one in fit.hypothesis if one is not constant)
+        begin = [free.encode(values[one][free.name]) for one in hypothesis for free in one.free]
+        predictor = search.null.predictor(hypothesis, fit.predictor.plant)
+        fit = search.completed(replace(fit, predictor=predictor, theta=np.concatenate([begin, fit.deviations])))
+        fits.append(fit)
+    return fit
 
 
 def in_place_of_laws(search: Search, fit: CandidateFit, curved: CandidateFit) -> CandidateFit:

@@ -13,7 +13,7 @@ from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.common_factor import with_other_scales
 from flexros.gap.search.common_scale import with_common_scale
 from flexros.gap.search.curve_candidates import within_motion
-from flexros.gap.search.curves import curves_of, in_place_of_laws, with_curves
+from flexros.gap.search.curves import curves_of, in_place_of_laws, with_constants, with_curves
 from flexros.gap.search.elimination.clear_sizes import with_asymmetry, with_dropped, with_dropped_again, without_unclear
 from flexros.gap.search.elimination.reduce import one_by_one, reduced
 from flexros.gap.search.exchange import exchanged, one_delay
@@ -50,6 +50,7 @@ AT_END = (
     without_unclear,
     with_other_scales,
     with_common_scale,
+    with_constants,
 )
 """Steps at the end of a search, in their order."""
 

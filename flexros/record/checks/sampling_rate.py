@@ -25,8 +25,8 @@ class SamplingRate(AbstractCheck):
         if rate >= LOW:
             return ()
         text = (
-            f"the log has {rate:.4g} samples per second, so vibrations above {rate / 2:.3g} Hz, delays and lags below "
-            f"about {1e3 / rate:.2g} ms, backlash and presliding friction are not identifiable; friction at speed, "
-            "gravity, inertia and slow modes are"
+            f"the log has {rate:.4g} samples per second, so vibrations above {rate / 2:.3g} Hz do not show, and delays "
+            f"and lags below about {1e3 / rate:.2g} ms, backlash and presliding friction hardly do; friction at speed, "
+            "gravity, inertia and slow modes do"
         )
         return (Finding(text, hopeless=False),)

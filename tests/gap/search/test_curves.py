@@ -34,6 +34,7 @@ LONG, SHORT = 4000, 2200
 RIVALS = (
     *("coulomb_friction", "viscous_friction", "stribeck_friction", "friction_drift", "friction_curve"),
     *("torque_bias", "torque_gain_error", "motor_inertia_error", "torque_curve", "torque_drift"),
+    "friction_over_position",
 )
 """Laws and curves that may stand for each other; for the hump of friction all effects compete."""
 ALL = DiagnosisSettings(where=None, next_experiment=None)
@@ -60,7 +61,17 @@ def load(motor: MotorState) -> ca.SX:
     return 1.5 * ca.exp(-(((motor.own[0] - 6) / 5) ** 2))
 
 
-LAWS: Mapping[str, Callable[[MotorState], ca.SX]] = {"hump": friction_hump, "cable": cable, "load": load}
+def tight_place(motor: MotorState) -> ca.SX:
+    """Friction that is 1.5 Nm higher around one angle."""
+    return -1.5 * ca.tanh(motor.speed / 0.01) * ca.exp(-(((motor.position + 0.2) / 0.25) ** 2))
+
+
+LAWS: Mapping[str, Callable[[MotorState], ca.SX]] = {
+    "hump": friction_hump,
+    "cable": cable,
+    "load": load,
+    "tight_place": tight_place,
+}
 
 
 class Hidden(AbstractMotorTorque):
@@ -133,7 +144,12 @@ def curves_in(found: DiagnosisResult) -> list[str]:
 
 @pytest.mark.parametrize(
     ("hidden", "curve", "faster"),
-    [("hump", "friction_curve", 1.0), ("cable", "torque_curve", 1.0), ("load", "torque_drift", FASTER)],
+    [
+        ("hump", "friction_curve", 1.0),
+        ("cable", "torque_curve", 1.0),
+        ("load", "torque_drift", FASTER),
+        ("tight_place", "friction_over_position", 1.0),
+    ],
 )
 def test_what_no_law_explains_is_named_by_class_and_joint(hidden: str, curve: str, faster: float) -> None:
     found = diagnosed((*FIRST, SECOND), hidden, faster)
@@ -142,7 +158,7 @@ def test_what_no_law_explains_is_named_by_class_and_joint(hidden: str, curve: st
     assert (found.diagnosis.gap.closed_fraction or 0.0) > 0.95
 
 
-@pytest.mark.parametrize(("hidden", "faster"), [("hump", 1.0), ("cable", 1.0), ("load", FASTER)])
+@pytest.mark.parametrize(("hidden", "faster"), [("hump", 1.0), ("cable", 1.0), ("load", FASTER), ("tight_place", 1.0)])
 def test_sizes_of_laws_are_not_moved_by_what_no_law_explains(hidden: str, faster: float) -> None:
     found = sizes(diagnosed((*FIRST, SECOND), hidden, faster))
     for text in (*FIRST, SECOND):
@@ -159,6 +175,14 @@ def test_curve_is_in_budget_and_patch() -> None:
     assert share.share_last is not None
     assert share.share_last > 0
     assert "friction_curve" in [one.effect.name for one in found.patch]
+
+
+def test_constant_torque_is_a_part_of_the_curve_at_its_motor() -> None:
+    found = diagnosed((*FIRST, SECOND, "torque_bias@motor_2:level=1.5"), "cable")
+    (curve,) = [one for one in found.diagnosis.causes if one.effect == "torque_curve"]
+    assert "torque_bias@motor_2" not in sizes(found)
+    first = curve.parameters["torque_1"]
+    assert abs(first.value - 1.5) < 3 * first.std
 
 
 def test_friction_of_known_laws_needs_no_curve() -> None:
