@@ -12,9 +12,11 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.search import exchange
 from flexros.gap.search.exchange import (
+    _compared,
     _divisions,
     _replacements,
     _stopped_early,
+    _was_in_vain,
     exchanged,
     filters_for_delay,
     one_delay,
@@ -248,6 +250,37 @@ def test_a_plain_effect_that_comes_near_another_is_carried_to_its_end(
     fit: Any = SimpleNamespace(hypothesis=(delay,), chi2=10_000.0)
     exchanged: Any = SimpleNamespace(hypothesis=(other,), chi2=10_000.0 + rise, converged=converged)
     assert _stopped_early(search, fit, exchanged) is early
+
+
+@pytest.mark.parametrize(
+    ("premises", "then", "now", "left", "again"),
+    [
+        (MEASURED, 100.0, 95.0, 130.0, False),
+        (MEASURED, 100.0, 70.0, 130.0, True),
+        (MEASURED, 100.0, 95.0, 90.0, True),
+        (SIMULATED, 100.0, 95.0, 130.0, True),
+    ],
+    ids=["worse before", "worse when more was left", "better before", "simulated log"],
+)
+def test_an_exchange_is_not_tried_again_where_it_was_worse_and_about_as_much_is_left(
+    premises: Any, then: float, now: float, left: float, again: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    friction: Any = SimpleNamespace(name="coulomb")
+    bristles: Any = SimpleNamespace(candidate=SimpleNamespace(name="presliding"))
+    fit: Any = SimpleNamespace(names=frozenset({"coulomb"}), hypothesis=(friction,), chi2=then)
+    other = SimpleNamespace(names=frozenset({"presliding"}), hypothesis=(bristles.candidate,), chi2=left)
+    monkeypatch.setattr(exchange, "compared", lambda *_: SimpleNamespace(fits=[fit, other]))
+    monkeypatch.setattr(exchange, "best_of_each", lambda fits: fits)
+    search: Any = SimpleNamespace(
+        premises=premises,
+        in_vain={},
+        plants=lambda *_: {},
+        parallel=lambda *_: [other],
+        visible=lambda fits: fits,
+    )
+    _compared(search, fit, [(friction, bristles)], [])
+    later: Any = SimpleNamespace(chi2=now)
+    assert _was_in_vain(search, later, friction, bristles) is not again
 
 
 LAGS = ("servo_command_lag@motor_1", "servo_command_lag@motor_2")

@@ -59,6 +59,7 @@ class Search(SimplerFits):
         competitors: Effects and locations that compete.
         left_before: Mean squared prediction error of the base in the same log tied more closely, where an earlier
             search ended with it [1]; None where there was none.
+        in_vain: What explanations left that an exchange made worse [1], by the effect and the candidate in its place.
     """
 
     base: CandidateFit
@@ -68,6 +69,7 @@ class Search(SimplerFits):
     chance: Callable[[CandidateFit, CandidateFit], float]
     competitors: Competitors
     left_before: float | None = None
+    in_vain: dict[tuple[str, str], float] = field(init=False, default_factory=dict)
     _levels: dict[tuple[frozenset[str], bytes], float] = field(init=False, default_factory=dict)
 
     @property
