@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 NEAR = 0.15
 """Largest distance of an interval from a whole number of periods to count as one [1] (chosen)."""
+FAR = 0.25
+"""Distance from which an interval is off [1] (chosen): stamps with a jitter of 3 % of a period come to half of it."""
 WHOLE = 0.95
 """Share of intervals near a whole number of periods from which a source was polled [1] (chosen)."""
 LEAST_SHARE = 0.005
@@ -126,7 +128,8 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     if held_for is None and np.mean(np.abs(shown - whole) < NEAR) < WHOLE:
         return None
     follows = np.minimum(np.cumsum(new)[1:] - 1 - new[1:], len(between) - 1)  # around each interval
-    off, off_by_stamps = (np.abs(shown - one) >= NEAR for one in (whole, between[fast] / period))
+    by_stamps = between[fast] * (whole.sum() / between[fast].sum())  # speeds are means over a curved motion
+    off, off_by_stamps = (np.abs(shown - one) >= FAR for one in (whole, by_stamps))
     clear = (speed > CLEAR * float(np.quantile(speed, 0.99))) & whole_speed
     same_by_stamps = held_for is not None or np.mean(off_by_stamps) < np.mean(off) + LEAST_SHARE
     if same_by_stamps:
@@ -135,7 +138,7 @@ def polled_source(stamp: IntArray, position: FloatArray) -> PolledSource | None:
     if held < LEAST_SHARE and (same_by_stamps or np.mean(whole != 1) < LEAST_SHARE):
         return None
     periods = np.rint(elapsed / period)
-    exact = float(between[clear].sum() / max(periods[clear].sum(), 1.0))  # speeds are means over a curved motion
+    exact = float(between[clear].sum() / max(periods[clear].sum(), 1.0))
     period = exact if abs(exact / period - 1) < NEAR else period
     if held_for is not None:
         clear = np.zeros_like(clear)  # equal values, as at a turn of the motion, are values of the source too

@@ -59,6 +59,17 @@ def test_the_log_becomes_even_with_positions_at_their_instants() -> None:
     assert np.median(np.abs(states.position - true)) < 1e-6
 
 
+def test_jitter_of_stamps_beside_a_few_lost_rows_is_no_poll() -> None:
+    """The fastest motion is bent: by means over it the period seems 3 % too long, so that stamps seemed off."""
+    random = np.random.default_rng(5)
+    time = 0.01 * np.arange(4000)
+    position = np.round(0.8 * np.sin(2 * np.pi * 0.9 * time), 5)[:, None]
+    stamp = np.rint(1e9 * (time + 1.0 + 3e-4 * random.standard_normal(4000))).astype(np.int64)
+    kept = np.ones(4000, dtype=bool)
+    kept[random.choice(4000, 40, replace=False)] = False
+    assert polled_source(stamp[kept], position[kept]) is None
+
+
 @pytest.mark.parametrize("times", [2, 3, 5, 7, 9, 12, 15, 20])
 def test_a_recorder_that_is_faster_by_a_whole_number_holds_each_value(times: int) -> None:
     """Also beside a standstill, where the values of the source are the same."""
