@@ -5,14 +5,15 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-import casadi as ca
 from pydantic import Field
 
-from flexros.effects.kinds.curve import SMALLEST, AbstractCurve, Extent, piecewise_linear, torques
+from flexros.effects.kinds.curve import AbstractCurve, Extent, mirrored, piecewise_linear, share_of_range, torques
 from flexros.effects.kinds.motor_law import AbstractMotorTorque
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    import casadi as ca
 
     from flexros.effects.kinds.base import Stage
     from flexros.effects.kinds.motor_law import MotorState
@@ -58,12 +59,11 @@ class TorqueCurve(AbstractCurve, AbstractMotorTorque):
 
     def turned_round(self) -> TorqueCurve:
         """Return it with opposite torques in the opposite order."""
-        torques = {name: -getattr(self, other) for name, other in zip(self.ranges, reversed(tuple(self.ranges)))}
-        return self.model_copy(update={**torques, "low": -self.high, "high": -self.low})
+        return mirrored(self, -1.0)
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Interpolate at the position."""
-        relative = (motor.position - values["low"]) / ca.fmax(values["high"] - values["low"], SMALLEST)
+        relative = share_of_range(motor.position, values["low"], values["high"])
         torques = [values[name] for name in self.ranges]
         before, after = 2 * torques[0] - torques[1], 2 * torques[-1] - torques[-2]
         return piecewise_linear(relative, _KNOTS, [before, *torques, after])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.kinds.curve import SMALLEST, AbstractCurve, Extent, piecewise_linear, torques
+from flexros.effects.kinds.curve import AbstractCurve, Extent, piecewise_linear, share_of_range, torques
 from flexros.effects.kinds.motor_law import AbstractMotorTorque
 
 if TYPE_CHECKING:
@@ -68,5 +68,5 @@ class TorqueDrift(AbstractCurve, AbstractMotorTorque):
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Interpolate at the time."""
-        relative = (motor.own[0] - values["begin"]) / ca.fmax(values["end"] - values["begin"], SMALLEST)
+        relative = share_of_range(motor.own[0], values["begin"], values["end"])
         return piecewise_linear(relative, _KNOTS, [values[name] for name in self.ranges])

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 NEAR = 0.15
 """Largest distance of an interval from a whole number of periods to count as one [1] (chosen)."""
 FAR = 0.25
-"""Distance from which an interval is off [1] (chosen): stamps with a jitter of 3 % of a period come to half of it."""
+"""Distance from which an interval is off [1] (chosen): stamps with a jitter of 3 % of a period came to 0.19."""
 WHOLE = 0.95
 """Share of intervals near a whole number of periods from which a source was polled [1] (chosen)."""
 LEAST_SHARE = 0.005

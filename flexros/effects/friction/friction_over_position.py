@@ -5,10 +5,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-import casadi as ca
 from pydantic import Field
 
-from flexros.effects.kinds.curve import SMALLEST, AbstractCurve, Extent, piecewise_linear, torques
+from flexros.effects.kinds.curve import AbstractCurve, Extent, mirrored, piecewise_linear, share_of_range, torques
 from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
 
 if TYPE_CHECKING:
@@ -36,6 +35,7 @@ class FrictionOverPosition(AbstractCurve, AbstractDryFriction):
     size: ClassVar[str] = "level_1"
     words: ClassVar[str] = "friction over position of unknown law"
     eases = True
+    told_by_reversals: ClassVar[bool] = True
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "torque_over_speed")
     fingerprint: ClassVar[str] = (
         "a disturbance torque against the motion that changes sign at each reversal and depends on the motor position, "
@@ -60,11 +60,10 @@ class FrictionOverPosition(AbstractCurve, AbstractDryFriction):
 
     def turned_round(self) -> FrictionOverPosition:
         """Return it with its levels in the opposite order."""
-        levels = {name: getattr(self, other) for name, other in zip(self.ranges, reversed(tuple(self.ranges)))}
-        return self.model_copy(update={**levels, "low": -self.high, "high": -self.low})
+        return mirrored(self, 1.0)
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Interpolate at the position, the same in both directions."""
-        relative = (motor.position - values["low"]) / ca.fmax(values["high"] - values["low"], SMALLEST)
+        relative = share_of_range(motor.position, values["low"], values["high"])
         level = piecewise_linear(relative, _KNOTS, [values[name] for name in self.ranges])
         return FrictionLevels(level, level)

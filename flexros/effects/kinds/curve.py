@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 import casadi as ca
 
@@ -45,6 +45,9 @@ class AbstractCurve(AbstractLaw):
     """Of a curve over time, the number of intervals between its knots. It is told from torques that depend on the
     motion only where the motion repeats in each of them."""
 
+    told_by_reversals: ClassVar[bool] = False
+    """Whether it is another curve over the same argument where the motor moves in one direction only."""
+
     @property
     def shown(self) -> tuple[str, ...]:
         """Sizes that a log shows which covers what the parameters in `extent` say; default: all."""
@@ -56,9 +59,35 @@ class AbstractCurve(AbstractLaw):
         return not any(getattr(self, name) for name in self.ranges)
 
 
+_Curve = TypeVar("_Curve", bound=AbstractCurve)
+
+
+def mirrored(curve: _Curve, factor: float) -> _Curve:
+    """Return a curve from `low` to `high` as stated for a joint that counts the other way round.
+
+    Args:
+        curve: The curve.
+        factor: Factor on its sizes, which come in the opposite order [1].
+    """
+    values, names = curve.parameter_values, tuple(curve.ranges)
+    sizes = {name: factor * values[other] for name, other in zip(names, reversed(names))}
+    return curve.model_copy(update={**sizes, "low": -values["high"], "high": -values["low"]})
+
+
 def torques(names: Iterable[str], source: str = "chosen") -> Mapping[str, Range]:
     """Return the ranges of sizes that are torques of both signs, by name; at a spring multiples of its own torque."""
     return MappingProxyType(dict.fromkeys(names, Range("torque", 1e-3, 1.0, starts=1, signed=True, source=source)))
+
+
+def share_of_range(argument: ca.SX, begin: Value, end: Value) -> ca.SX:
+    """Return where an argument is between the ends of a range: 0 at its begin, 1 at its end.
+
+    Args:
+        argument: The argument, SX (1, 1).
+        begin: Begin of the range.
+        end: Its end; a range of no length counts as a very short one.
+    """
+    return (argument - begin) / ca.fmax(end - begin, SMALLEST)
 
 
 def piecewise_linear(argument: ca.SX, knots: Sequence[float], values: Sequence[Value]) -> ca.SX:

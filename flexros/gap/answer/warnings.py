@@ -80,13 +80,7 @@ def answer_warnings(findings: Findings, gap: GapNumbers, *, worse: bool) -> list
     warnings += _taken_out(findings)
     warnings += _within_tolerance(findings, gap)
     warnings += _less_excited(findings, gap)
-    given = findings.as_given
-    if explanations.detected and given.kept:
-        lacks = ", ".join(sorted(given.kept))
-        warnings.append(
-            f"the nominal model lacks {lacks}, and without that it predicts 0.1 s ahead hardly better than that all "
-            f"motors stay where they are: the gap before the repair is that of the model with {lacks}"
-        )
+    warnings += _hopeless_as_given(findings)
     return [
         *torque_warnings(findings),
         *_strained(findings),
@@ -113,6 +107,17 @@ def _taken_out(findings: Findings) -> list[str]:
             f"predicted better by what was fitted again without it, and {CHECK_AGAIN}"
             for name in findings.fitted_around
         ),
+    ]
+
+
+def _hopeless_as_given(findings: Findings) -> list[str]:
+    """Return one sentence where the model predicts nothing without what it lacks, so that the gap is that with it."""
+    kept = findings.as_given.kept if findings.explanations.detected else ()
+    if not kept:
+        return []
+    return [
+        f"the nominal model lacks {', '.join(sorted(kept))}, without which it predicts 0.1 s ahead hardly better than "
+        "that all motors stay where they are: the gap before the repair is that of the model with them"
     ]
 
 

@@ -53,7 +53,8 @@ def list_curves(search: Search, fit: CandidateFit) -> list[Candidate]:
             continue
         for location in effect().locations(search.null.model.robot):
             torque = covered.torque(location)
-            if torque <= 0 or not covered.repeatedly(effect, location):
+            alike = effect.told_by_reversals and covered.one_way(location)
+            if torque <= 0 or alike or not covered.repeatedly(effect, location):
                 continue
             fixed = covered.knots(effect, location)
             shown = effect(**dict(fixed)).shown

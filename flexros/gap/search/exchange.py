@@ -298,8 +298,8 @@ def _compared(
 def _was_in_vain(search: Search, fit: CandidateFit, candidate: Candidate, addition: Addition) -> bool:
     """Return whether an exchange made an explanation of a measured log worse that left about as much.
 
-    Later stages of a search come back to the explanation of an earlier one: of five servos half of a hundred exchanges
-    were fitted for the second to fourth time, each with the same result.
+    Later stages of a search come back to the explanation of an earlier one: of five servos 37 of 100 exchanges were
+    fitted again, with the same result.
     """
     left = search.in_vain.get((candidate.name, addition.candidate.name), 0.0)
     return not search.premises.floor_is_noise and abs(left - fit.chi2) < AS_MUCH * fit.chi2

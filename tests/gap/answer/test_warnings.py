@@ -53,6 +53,25 @@ def test_a_slant_larger_than_a_careless_mounting_may_be_another_force(
 
 
 @pytest.mark.parametrize(
+    ("kept", "detected", "warned"),
+    [
+        ({"rotor_inertia@motor_2", "rotor_inertia@motor_1"}, True, True),
+        (set(), True, False),
+        ({"rotor_inertia@motor_1"}, False, False),
+    ],
+)
+def test_a_model_that_predicts_nothing_without_what_it_lacks_is_told(
+    kept: set[str], detected: bool, warned: bool
+) -> None:
+    findings: Any = SimpleNamespace(
+        as_given=SimpleNamespace(kept=kept), explanations=SimpleNamespace(detected=detected)
+    )
+    texts = warnings._hopeless_as_given(findings)
+    assert bool(texts) is warned
+    assert all("lacks rotor_inertia@motor_1, rotor_inertia@motor_2, without which" in text for text in texts)
+
+
+@pytest.mark.parametrize(
     ("after", "floor", "warned"), [(18.3, 20.8, True), (1.2, 20.8, False), (300.0, 20.8, False), (1.0, None, False)]
 )
 def test_what_the_tolerance_of_torques_may_hide_is_told(after: float, floor: float | None, warned: bool) -> None:

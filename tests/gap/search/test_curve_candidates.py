@@ -38,6 +38,7 @@ ROBOT = load_robot("two_mass")
 T, STIFFNESS, NOISE = ROBOT.sample_time, 6e4, 1e-5
 RIVALS = (
     *("coulomb_friction", "viscous_friction", "friction_curve", "torque_bias", "torque_curve", "torque_drift"),
+    "friction_over_position",
     *("stiffness_error", "damping_error", "nonlinear_stiffness", "backlash", "hysteresis", "spring_curve"),
     *("motor_inertia_error", "torque_gain_error"),
 )
@@ -220,7 +221,10 @@ def test_friction_in_one_direction_has_no_difference_between_directions(both: bo
     search = prepare_search(fit_null(fit_data(record, model, SETTINGS), model, Tolerance()), SETTINGS)
     data = replace(search.data, record=replace(record, position=turning))
     search = replace(search, null=replace(search.null, data=data))
-    (curve,) = (one for one in list_curves(search, search.null.fit) if one.effect.name == "friction_curve")
+    curves = {one.effect.name: one for one in list_curves(search, search.null.fit) if one.location == "motor_1"}
+    curve = curves["friction_curve"]
+    assert ("friction_over_position" in curves) is both  # else it is the torque over position
+    assert "torque_curve" in curves
     (viscous,) = (one for one in search.candidates() if one.effect.name == "viscous_friction")
     names = {free.name for free in (*curve.free, *viscous.free)}
     assert {"standstill", "speed_100", "coefficient"} <= names
