@@ -18,7 +18,7 @@ from flexros.errors import FlexrosError
 from flexros_nodes.protocol.node_report import ERROR_PREFIX, NodeReport
 from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.protocol.real_time.precise_timing import take_priority, threads_of_loop
-from flexros_nodes.shell.removal import limit_time
+from flexros_nodes.shell.removal import end_within
 from flexros_nodes.shell.ros_log_folder import ros_log_settings
 from flexros_nodes.shell.shared_memory import become_cleaner
 from flexros_nodes.shell.spinning import make_executor, spin
@@ -84,7 +84,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     if _parent_died(node):
         interrupted.parent_died = True  # the process ends at once; its memory takes the middleware with it
         return report
-    limit_time(END_TIMEOUT)  # to the end of the process: its report is written
+    end_within(END_TIMEOUT, report.exit_code)  # its report is written
     executor.shutdown()
     node.destroy_node()
     return report

@@ -7,10 +7,11 @@ when a partner leaves at that moment. Fast DDS 2.14 as built for the wheels then
 
 from __future__ import annotations
 
+import ctypes
 import signal
 import threading
+import time
 from contextlib import contextmanager
-from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -36,16 +37,52 @@ def await_departures(node: Node, partners: Iterable[str]) -> None:
         partners: Names of the nodes that have ended.
     """
     left = set(partners)
-    deadline = monotonic() + DEPARTURE_TIMEOUT
-    while left and monotonic() < deadline:
-        sleep(DEPARTURE_PERIOD)
+    deadline = time.monotonic() + DEPARTURE_TIMEOUT
+    while left and time.monotonic() < deadline:
+        time.sleep(DEPARTURE_PERIOD)
         left &= set(node.get_node_names())
 
 
-def limit_time(timeout: float) -> None:
-    """Let SIGALRM end this process after a time [s], also while the lock of Python is held."""
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, timeout)
+class _EndOfTimer(ctypes.Structure):
+    """What happens at the end of a timer of POSIX: `struct sigevent`, which is 64 bytes long on Linux."""
+
+    _fields_ = (
+        ("argument", ctypes.c_ssize_t),
+        ("signal", ctypes.c_int),
+        ("kind", ctypes.c_int),
+        ("function", ctypes.c_void_p),
+        ("attributes", ctypes.c_void_p),
+        ("unused", ctypes.c_char * 32),
+    )
+
+
+class _TimerTimes(ctypes.Structure):
+    """Period of a timer of POSIX, none here, and time to its end: `struct itimerspec`."""
+
+    _fields_ = tuple((name, ctypes.c_long) for name in ("period", "period_nanoseconds", "seconds", "nanoseconds"))
+
+
+CALLED_IN_A_THREAD = 2
+"""Kind of an end of a timer: a thread of the system calls a function (`SIGEV_THREAD`)."""
+
+
+def end_within(timeout: float, exit_code: int) -> None:
+    """End this process after a time with an exit code, also while the lock of Python is held.
+
+    Its work is done by then: a signal would let a launch take it for a node that died.
+
+    Args:
+        timeout: Time to the end [s].
+        exit_code: What the process ends with.
+    """
+    system = ctypes.CDLL(None, use_errno=True)
+    end = _EndOfTimer(exit_code, 0, CALLED_IN_A_THREAD, ctypes.cast(system._exit, ctypes.c_void_p))
+    timer = ctypes.c_void_p()
+    times = _TimerTimes(0, 0, int(timeout), int(timeout % 1.0 * 1e9))
+    if system.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(end), ctypes.byref(timer)) or system.timer_settime(
+        timer, 0, ctypes.byref(times), None
+    ):
+        raise OSError(ctypes.get_errno(), "the timer that ends the process cannot be set")
 
 
 @contextmanager
@@ -59,7 +96,8 @@ def limited_removal() -> Iterator[None]:
         return
     handler = signal.getsignal(signal.SIGALRM)
     delay, interval = signal.getitimer(signal.ITIMER_REAL)
-    limit_time(REMOVAL_TIMEOUT)
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, REMOVAL_TIMEOUT)
     try:
         yield
     finally:

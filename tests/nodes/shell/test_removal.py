@@ -15,21 +15,38 @@ import pytest
 
 from flexros_nodes.shell.removal import DEPARTURE_TIMEOUT, await_departures, limited_removal
 
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
 HANG = "import ctypes; ctypes.PyDLL(None).pause()"  # PyDLL keeps the lock of Python meanwhile, as the middleware does
 
 
-@pytest.mark.parametrize(
-    "code",
-    [
-        f"from flexros_nodes.shell import removal; removal.limit_time(0.2); {HANG}",
-        "from flexros_nodes.shell import removal; removal.REMOVAL_TIMEOUT = 0.2\n"
-        f"with removal.limited_removal(): {HANG}",
-    ],
-    ids=["to the end of the process", "block"],
-)
-def test_process_that_the_middleware_does_not_let_go_is_ended_by_the_system(code: str) -> None:
-    assert subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, timeout=30.0).returncode == -signal.SIGALRM
+def run_python(code: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=30.0)
+
+
+def test_process_that_the_middleware_does_not_let_go_is_ended_by_the_system() -> None:
+    limit = "from flexros_nodes.shell import removal; removal.REMOVAL_TIMEOUT = 0.2\n"
+    assert run_python(f"{limit}with removal.limited_removal(): {HANG}").returncode == -signal.SIGALRM
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_node_whose_work_is_done_ends_as_it_would_have(code: int) -> None:
+    limit = f"from flexros_nodes.shell import removal; removal.end_within(0.2, {code})\n"
+    assert run_python(limit + HANG).returncode == code
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_node_that_the_middleware_does_not_let_go_ends_with_the_code_of_its_report() -> None:
+    """Fast DDS that spins with the lock of Python is a `destroy_node` that never ends."""
+    lines = (
+        "import ctypes, sys",
+        "from flexros_nodes.feedforward import FeedforwardNode",
+        "from flexros_nodes.shell import executable",
+        "executable.END_TIMEOUT = 0.2",
+        "FeedforwardNode.destroy_node = lambda _: [print('hangs', flush=True), ctypes.PyDLL(None).pause()]",
+        "sys.exit(executable.run_node(FeedforwardNode, ['--ros-args', '-p', 'scenario:=nowhere']))",
+    )
+    ended = run_python("\n".join(lines))
+    assert (ended.stdout, ended.returncode) == ("hangs\n", 2), ended.stderr
 
 
 def test_timer_of_the_user_goes_on_after_the_removal() -> None:
