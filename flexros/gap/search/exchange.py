@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from flexros.gap.search.model_probability import ModelComparison
 
 
-SEVERAL = 2
-"""Servos that one delay of all makes late, instead of what does so at each of them [1]."""
 CLEARLY = 1e-3
 """Share by which an exchange lowers what is left of a measured log [1] (chosen)."""
 AS_MUCH = 0.1
@@ -92,13 +90,14 @@ def _better(search: Search, comparison: ModelComparison, fit: CandidateFit, othe
 
 
 def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Replace filters of commands, or viscous friction, of several servos by one delay of all, where that does as much.
+    """Replace filters of commands, or viscous friction, of servos by one delay of all, where that does as much.
 
     Which of them it is shows little beside what is still missing where the search begins: of a load that the file
     lacks, five filters of 18 to 19 ms took up more than a delay of 20 ms did, and with them wrong rotors. Viscous
     friction b makes a servo of the stiffness k late by b / k: beside a wrong gain, that of three motors by 4 ms each
     stood for a delay. No exchange of one effect for one comes from these to the delay. Filters may stand for a part of
-    a delay that is there too.
+    a delay that is there too. In place of that of one servo, of a leg whose others were not late enough to show, linear
+    theory does not see the delay: it must leave less there.
 
     Args:
         search: The search.
@@ -112,11 +111,15 @@ def one_delay(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> Ca
     for times_of in (_by_filters, _by_friction):
         times = times_of(fit)
         own = {name: time for name, time in first_parameters(fit).items() if name == delay.name}
-        if len(times) < SEVERAL or (own and times_of is _by_friction) or search.deadline.stops():
+        alone = len(times) == 1
+        if not times or (own and (alone or times_of is _by_friction)) or search.deadline.stops():
             continue
         begin = float(np.mean(list(times.values()))) + sum(own.values())
         late = _with_late_commands(search, fit, [*times, *own], [delay], begin)
         fits.append(late)
+        if alone:
+            fit = late if _better(search, compared(search, [late, fit]), fit, late) else fit
+            continue
         late = reduced(search, late, fits, removed)
         fit = fit if worth(search, compared(search, [late, fit]), late, fit, removed) else late
     return fit

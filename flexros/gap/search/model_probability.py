@@ -14,7 +14,7 @@ from flexros.gap.candidates.one_scale import of_one_scale
 from flexros.gap.settings import RankingSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.candidate import Hypothesis
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 RANKING = RankingSettings()
 """Settings of a comparison unless others are given."""
-REFERRED = 6
-"""Times that the reference of the probabilities is moved to the most probable explanation [1]."""
 LEAST_LEVEL = 0.5
 """Mean squared error below which a log has too little noise to conclude anything [1]."""
 
@@ -162,28 +160,32 @@ class ModelComparison:
         Returns:
             Probabilities that add up to 1, shape (len(rivals),).
         """
-        settings = self.settings
+        index = int(np.argmin([self.level(fit) for fit in rivals]))
+        odds: dict[int, FloatArray] = {}
+        while index not in odds:
+            odds[index] = self._odds(rivals, index)
+            index = int(np.argmax(odds[index]))
+        circle = {one: odds[one] for one in list(odds)[list(odds).index(index) :]}
+        logarithm = _consistent(circle)
+        weights = np.exp(logarithm - logarithm.max())
+        probabilities: FloatArray = weights / weights.sum()
+        return probabilities
+
+    def _odds(self, rivals: Sequence[CandidateFit], index: int) -> FloatArray:
+        """Return the logarithms of the odds of explanations to one of them [1], see `probabilities`."""
+        settings, reference = self.settings, rivals[index]
         levels = np.array([self.level(fit) for fit in rivals])
         effects = np.array([len(fit.hypothesis) for fit in rivals])
         parameters = np.array([fit.predictor.n_effect for fit in rivals]) - effects
         lacking = np.array([not self.adequate(fit) for fit in rivals])
         behind = settings.inadequate * (lacking & ~lacking.all())
-        index = int(np.argmin(levels))
-        logarithm = np.zeros(len(rivals))
-        for _ in range(REFERRED):
-            reference = rivals[index]
-            temper = np.array([self._temper(fit, reference) for fit in rivals])
-            level = max(levels.min(), LEAST_LEVEL)
-            scale = 2 * level / self.n_values + temper
-            per_parameter = np.clip(np.log(2 * level / scale) / 2, settings.per_parameter, settings.per_effect)
-            costs = settings.per_effect * effects + per_parameter * (parameters - parameters[index])
-            logarithm = -(levels - levels[index]) / scale - costs - behind
-            if int(np.argmax(logarithm)) == index:
-                break
-            index = int(np.argmax(logarithm))
-        weights = np.exp(logarithm - logarithm.max())
-        probabilities: FloatArray = weights / weights.sum()
-        return probabilities
+        temper = np.array([self._temper(fit, reference) for fit in rivals])
+        level = max(levels.min(), LEAST_LEVEL)
+        scale = 2 * level / self.n_values + temper
+        per_parameter = np.clip(np.log(2 * level / scale) / 2, settings.per_parameter, settings.per_effect)
+        costs = settings.per_effect * effects + per_parameter * (parameters - parameters[index])
+        logarithm = -(levels - levels[index]) / scale - costs - behind
+        return np.asarray(logarithm - logarithm[index])
 
     def ranked(self, rivals: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Sort explanations by probability, those of probability zero by their sums of squares."""
@@ -277,6 +279,21 @@ def _one_level(hypothesis: Hypothesis, names: frozenset[str]) -> list[str] | Non
     """List the motors of some candidates of an explanation; None where one is no dry friction of one level."""
     chosen = [candidate for candidate in hypothesis if candidate.name in names]
     return sorted(one.location for one in chosen) if all(one.effect.one_level for one in chosen) else None
+
+
+def _consistent(circle: Mapping[int, FloatArray]) -> FloatArray:
+    """Return logarithms of odds that do not contradict each other.
+
+    Odds to different explanations may go round in a circle, as each pair has its own model-form error: a law that hides
+    behind the error of a rich one is refuted by a third one that shares this with it. Then the explanation counts that
+    the others beat least (the minimax rule of votes), and odds to it hold by way of each of the others.
+
+    Args:
+        circle: Odds of all explanations to each of some of them, by its number: the most probable explanation by the
+            odds to one is the next one, and that by the odds to the last one is the first.
+    """
+    first = min(circle, key=lambda one: max(circle[one][other] for other in circle))
+    return np.asarray(np.min([odds + circle[first][one] for one, odds in circle.items()], axis=0))
 
 
 def form_error(gap: float, *, plain: bool, distance: float | None = None, settings: RankingSettings = RANKING) -> float:

@@ -113,7 +113,9 @@ def with_simpler_effects(search: Search, fit: CandidateFit, fits: list[Candidate
         if best.chi2 > fit.chi2 and lawful:  # a curve takes up a part of what else is missing
             best = search.completed(min(lawful, key=lambda one: one.chi2))
         comparison = compared(search, [best, fit])
-        if best.chi2 <= fit.chi2 or (lawful and not worth(search, comparison, best, fit, settings.removed_of_all)):
+        fewer = best.predictor.n_effect < fit.predictor.n_effect
+        as_good = best.chi2 <= fit.chi2 or (fewer and comparison.score(best) > comparison.score(fit))
+        if as_good or (lawful and not worth(search, comparison, best, fit, settings.removed_of_all)):
             fits += [rest, *found, best]
             fit = best
     return fit

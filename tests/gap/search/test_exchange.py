@@ -331,34 +331,47 @@ def search_of(*candidates: str) -> Any:
     [
         (LAGS, False, {"delay@all", "coulomb_friction@motor_1"}),
         (LAGS, True, {*LAGS, "coulomb_friction@motor_1"}),
-        (LAGS[:1], False, {LAGS[0], "coulomb_friction@motor_1"}),
+        (LAGS[:1], False, {"delay@all", "coulomb_friction@motor_1"}),
+        (LAGS[:1], True, {LAGS[0], "coulomb_friction@motor_1"}),
+        (("delay@all", LAGS[0]), False, {"delay@all", LAGS[0], "coulomb_friction@motor_1"}),
         (("delay@all", *LAGS), False, {"delay@all", "coulomb_friction@motor_1"}),
         (BRAKES, False, {"delay@all", "coulomb_friction@motor_1"}),
         (BRAKES, True, {*BRAKES, "coulomb_friction@motor_1"}),
-        (BRAKES[1:], False, {BRAKES[1], "coulomb_friction@motor_1"}),
+        (BRAKES[1:], False, {"delay@all", "coulomb_friction@motor_1"}),
+        (BRAKES[1:], True, {BRAKES[1], "coulomb_friction@motor_1"}),
     ],
     ids=[
         "filters do as much",
         "filters do more",
-        "one filter",
+        "one filter leaves more",
+        "one leaves less",
+        "one beside a delay",
         "beside a delay",
         "friction does as much",
         "does more",
-        "at one motor",
+        "that of one motor leaves more",
+        "leaves less",
     ],
 )
-def test_what_makes_several_servos_late_becomes_one_delay_that_does_as_much(
+def test_what_makes_servos_late_becomes_one_delay_that_does_as_much(
     names: tuple[str, ...], worth: bool, expected: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Viscous friction b makes a servo of the stiffness k late by b / k; what is late already by a delay adds to it."""
-    mean = {LAGS[0]: 0.011, "delay@all": 0.01 + 0.013}.get(names[0], 0.011 / 2.0)
+    begin = {
+        LAGS: 0.011,
+        LAGS[:1]: 0.01,
+        ("delay@all", *LAGS): 0.01 + 0.013,
+        BRAKES: 0.011 / 2.0,
+        BRAKES[1:]: 0.01 / 2.0,
+    }.get(names)
     monkeypatch.setattr(exchange, "compared", lambda *_: None)
     monkeypatch.setattr(exchange, "worth", lambda *_: worth)
+    monkeypatch.setattr(exchange, "_better", lambda *_: not worth)
     monkeypatch.setattr(exchange, "reduced", lambda _search, one, _fits, _removed: one)
     fits: list[Any] = []
     found = one_delay(search_of("delay@all"), fit_of((*names, "coulomb_friction@motor_1")), fits)
     assert found.names == expected
-    assert [one.begin for one in fits] == [pytest.approx((mean,))] * (len(names) > 1)
+    assert [one.begin for one in fits] == ([] if begin is None else [pytest.approx((begin,))])
 
 
 def test_filters_of_all_servos_begin_with_the_delay_that_they_replace() -> None:

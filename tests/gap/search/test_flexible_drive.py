@@ -153,6 +153,15 @@ def test_a_stiff_spring_takes_the_place_of_hysteresis_that_bends_by_more_than_th
     assert right.names == {"stiffness_error@body_1.rz", "viscous_friction@motor_1"}
 
 
+def test_a_number_takes_the_place_of_a_rich_law_that_does_no_more_than_its_parameters_by_chance() -> None:
+    truth = ("stiffness_error@body_1.rz:relative=0.4", FRICTION[1])
+    search, wrong = search_and_fit(truth, ("hysteresis@motor_1", "viscous_friction@motor_1"))
+    least = with_simpler_effects(search, wrong, []).chi2
+    for ahead, taken in ((5.0, True), (50.0, False)):
+        rich = replace(wrong, chi2=least - ahead)
+        assert (with_simpler_effects(search, rich, []) is not rich) is taken
+
+
 def test_a_wrong_stiffness_takes_the_place_of_a_spring_with_a_knee_beside_backlash() -> None:
     truth = ("stiffness_error@body_1.rz:relative=0.25", "backlash@motor_1:gap=1e-3", FRICTION[1])
     found = ("backlash@motor_1", "viscous_friction@motor_1", "nonlinear_stiffness@body_1.rz")

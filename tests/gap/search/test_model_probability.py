@@ -217,6 +217,21 @@ def test_what_an_effect_closes_is_bounded_by_the_best_fit_without_it() -> None:
     assert among.probabilities([rich, simple])[0] > 0.99
 
 
+def test_of_odds_that_go_round_in_a_circle_the_least_lost_counts() -> None:
+    """A rich law loses to a plain number within its form error, and that to an explanation which the first refutes."""
+    base, friction, late = "extra_mode@base", "presliding_friction@motor_1", "delay@all"
+    rich, plain = fitted(1.0, base, friction), fitted(1.0 + 3 / N, STIFFNESS, friction)
+    refuted = fitted(1.005, base, late)
+    among = [rich, plain, refuted]
+    found = comparison(51.0, *among, fitted(1.01, base))
+    assert found.probabilities([plain, refuted])[1] > 0.5
+    assert found.probabilities([refuted, rich])[1] > 0.999
+    probabilities = found.probabilities(among)
+    assert probabilities[1] > 0.8
+    assert probabilities[2] < 1e-6
+    assert found.ranked(among)[0] is plain
+
+
 def test_parameters_of_a_law_cost_less_where_model_form_errors_count_more_than_noise() -> None:
     one, richer = fitted(1.0, COULOMB), fitted(1.0, "presliding_friction@motor_1")
 
