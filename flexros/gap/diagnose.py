@@ -26,6 +26,8 @@ from flexros.identify.rigid.torque_timing import in_time
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from flexros.gap.diagnosis_task import SearchedLog
+    from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.result import DiagnosisResult
     from flexros.logs.time_series import Log
     from flexros.record.record import Record
@@ -86,11 +88,10 @@ def diagnose(
     stages = Stages(progress)
     first = usual_first(settings)
     task = DiagnosisTask(begun, holdout, tolerance or {}, notes, first, deadline, stages, bool(rough))
-    found = task.searched(record)
-    shift = shift_of_noted(found.explanations.chosen, found.null, settings)
-    if shift is not None and not deadline.stops():  # half a sample hid behind the effects: all again with it
-        found = task.searched(in_time(record, shift))
-    task, found = with_smaller_tolerance(task, found, settings)
+    usual = _in_time(task, task.searched(record))
+    task, found = with_smaller_tolerance(task, usual, settings)
+    if found is not usual:  # beside what a smaller tolerance showed
+        found = _in_time(task, found, found.explanations.chosen)
     result = task.answered(found)
     if rough:
         result = relative_to_file(result, rough, given)
@@ -102,3 +103,17 @@ def diagnose(
         result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return replace(result, diagnosis=result.diagnosis.model_copy(update={"partial": deadline.partial}))
+
+
+def _in_time(task: DiagnosisTask, found: SearchedLog, begun: CandidateFit | None = None) -> SearchedLog:
+    """Search a log once more with torques that acted half a sample elsewhere, where effects had hidden that.
+
+    Args:
+        task: What is diagnosed against.
+        found: What was found.
+        begun: An explanation that the search begins with; default: what the torques show.
+    """
+    if task.deadline.stops():
+        return found
+    shift = shift_of_noted(found.explanations.chosen, found.null, task.settings)
+    return found if shift is None else task.searched(in_time(found.record, shift), begun)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from flexros.effects import RobotWithEffects
+from flexros.gap import diagnose as diagnose_module
 from flexros.gap import torque_stages
 from flexros.gap.diagnose import diagnose
 from flexros.gap.diagnosis_task import DiagnosisTask, SearchedLog
@@ -88,3 +90,20 @@ def test_effects_may_hide_where_none_was_found_and_another_log_strays_farther_th
     assert torque_stages._may_hide(found) is hidden
     found.explanations.detected = True
     assert torque_stages._may_hide(found)
+
+
+@pytest.mark.parametrize("smaller", [True, False])
+def test_when_torques_acted_is_asked_again_beside_what_a_smaller_tolerance_shows(
+    searches: Searches, smaller: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A delay of half a sample of a series elastic actuator showed no earlier."""
+    shifts = iter((None, 0.5))
+    monkeypatch.setattr(diagnose_module, "shift_of_noted", lambda *_: next(shifts))
+    monkeypatch.setattr(
+        diagnose_module,
+        "with_smaller_tolerance",
+        lambda task, found, _: (task, replace(found) if smaller else found),
+    )
+    result = diagnose(record_of_arm(imported=True), arm(), settings=FEW)
+    assert [begins_with for _, begins_with, _ in searches] == [frozenset(), *([searches[0][2]] if smaller else [])]
+    assert any("half a sample from its stamp" in warning for warning in result.diagnosis.warnings) is smaller
