@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.fit.initial_values import starts_of
 from flexros.gap.fit.limits import at_limits
 from flexros.gap.fit.pruning import without_least_parameter
+from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.search.fits.refits import Refits
 
 if TYPE_CHECKING:
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
 
     from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
+
+ANEW = 2
+"""Initial values from which a law is fitted again, the best ones [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,7 +61,8 @@ class SimplerFits(Refits):
     def within_limits(self, fit: CandidateFit) -> CandidateFit:
         """Fit again without parameters that ended at a limit of their search, which are no findings.
 
-        The search is widened where its range goes on. A parameter that shapes an effect is set to its usual value. A
+        The search is widened where its range goes on. A law whose shape is at a limit is begun anew: where bodies stick
+        and slip, the sum of squares has many minima along it. Is it there again, it is set to its usual value. A
         part of a law whose size is at a limit nevertheless is left out, as a hump of friction so narrow that only its
         bristles are left; so is an effect of that part alone.
 
@@ -66,6 +72,7 @@ class SimplerFits(Refits):
         Returns:
             A fit without such parameters, or the same fit.
         """
+        begun: set[str] = set()
         for _ in range(2 * fit.predictor.n_effect):
             limited = at_limits(fit)
             if not limited:
@@ -81,8 +88,25 @@ class SimplerFits(Refits):
             elif shaped is None:
                 fit = self.without(fit, candidate.name)
             else:
-                fit = self._with_fewer(fit, candidate, shaped)
+                anew = None if candidate.name in begun else self._begun_anew(fit, candidate)
+                begun.add(candidate.name)
+                fit = anew or self._with_fewer(fit, candidate, shaped)
         return fit
+
+    def _begun_anew(self, fit: CandidateFit, law: Candidate) -> CandidateFit | None:
+        """Fit an explanation again from initial values of one of its laws; None where that is no better within limits.
+
+        Args:
+            fit: The fit.
+            law: The law.
+        """
+        starts = starts_of((law,))
+        thetas = np.repeat(fit.theta[:, None], starts.shape[1], axis=1)
+        thetas[fit.columns([law.name])] = starts
+        best = np.argsort(chi2_of(fit.predictor, self.data, thetas))[:ANEW]
+        fits = [self._final(fit.predictor, theta) for theta in thetas[:, best].T if not self.deadline.stops_finishing()]
+        within = [one for one in fits if one.chi2 < fit.chi2 and law not in dict(at_limits(one))]
+        return min(within, key=lambda one: one.chi2, default=None)
 
     def _with_fewer(
         self, fit: CandidateFit, candidate: Candidate, fewer: Candidate, rival: float = np.inf

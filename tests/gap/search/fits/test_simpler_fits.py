@@ -16,7 +16,7 @@ from flexros.gap.fit.sum_of_squares import chi2_of
 from flexros.gap.residuals.prepare_fit_data import fit_data
 from flexros.gap.search.prepare import prepare_search
 from flexros.gap.settings import DiagnosisSettings
-from tests.gap.diagnosis_logs import settings_of
+from tests.gap.diagnosis_logs import search_of, settings_of
 from tests.gap.servo_logs import servo_log, servo_robot
 
 pytestmark = pytest.mark.slow
@@ -35,3 +35,17 @@ def test_a_raised_gain_of_a_servo_goes_before_the_friction_that_it_took_to_its_l
     found = search.within_limits(CandidateFit(predictor, theta, chi2_of(predictor, search.data, theta[:, None])[0]))
     assert found.names == {friction.name}
     assert found.predictor.values(found.theta)[0]["level"] == pytest.approx(0.25, rel=0.05)
+
+
+def test_a_hump_whose_shape_ended_at_a_limit_is_begun_anew() -> None:
+    truth = {"extra": 0.1, "velocity": 0.02, "exponent": 2.0}
+    stated = ",".join(f"{name}={value}" for name, value in truth.items())
+    search = search_of(f"stribeck_friction@motor_1:{stated}")
+    (hump,) = (one for one in search.candidates() if one.name == "stribeck_friction@motor_1")
+    theta = np.array([free.encode({**truth, "velocity": 0.03, "exponent": free.high}[free.name]) for free in hump.free])
+    predictor = search.null.predictor((hump,))
+    limited = CandidateFit(predictor, theta, chi2_of(predictor, search.data, theta[:, None])[0])
+    found = search.within_limits(limited)
+    assert found.predictor.values(found.theta)[0] == pytest.approx(truth, rel=0.1)
+    spoiled = replace(limited, chi2=0.0)
+    assert {free.name for free in search.within_limits(spoiled).hypothesis[0].free} == {"extra", "velocity"}
