@@ -95,7 +95,7 @@ def diagnose(
         print_json(result.diagnosis.model_dump(mode="json", by_alias=True))
     else:
         _print(result, [out / name for name in files])
-        suggest(_next(result, bag, model, out))
+        suggest(_next(result, bag, model, out, tolerance))
     return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
 
 
@@ -135,7 +135,7 @@ def _checked_logs(
     return _CheckedLogs(fitted, others[0] if others else None, log)
 
 
-def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:
+def _next(result: DiagnosisResult, bag: Path, model: str, out: Path, tolerance: str) -> str:
     """Return what to do after a diagnosis: the experiment that decides, or a check of the repair on another log."""
     experiment = result.diagnosis.next_experiment
     if experiment is not None and experiment.command:
@@ -146,9 +146,26 @@ def _next(result: DiagnosisResult, bag: Path, model: str, out: Path) -> str:
     if result.patch:
         names = ",".join(result.robot.joint_names[motor] for motor in result.record.prescribed)
         alike = f" --prescribed {names}" if names else ""
+        counted = _tolerance(result, tolerance)
+        alike += f" --tolerance {counted}" if counted else ""
         patch = shlex.quote(str(out / "patch.yaml"))
         return f"flexros gap ANOTHER_LOG --model {shlex.quote(model)} --patch {patch}{alike}"
     return f"open {out / 'report.html'}: where the gap shows, and what the log does not determine"
+
+
+def _tolerance(result: DiagnosisResult, stated: str) -> str:
+    """Return the tolerances that count the gap of another log alike: those stated, or that of torques found.
+
+    Args:
+        result: The diagnosis.
+        stated: The tolerances as they were given.
+    """
+    from flexros.gap.candidates.tolerance import TORQUE
+    from flexros.gap.settings import NoiseSettings
+
+    found = result.settings.noise.signal_tolerance
+    usual = found == NoiseSettings().signal_tolerance or result.record.premises.floor_is_noise
+    return stated if stated or usual else f"{TORQUE}={found:g}"
 
 
 def _settings(joints: tuple[str, ...], effects: tuple[str, ...], time_limit: float | None) -> DiagnosisSettings:

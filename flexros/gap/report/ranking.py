@@ -185,7 +185,7 @@ def table_of_ranking(result: DiagnosisResult) -> TextTable:
         for candidate, first in zip(ranked, first_of_explanations(ranked), strict=True)
     )
     of_explanation = ("gain", "penalty", *(["gain, held out"] if unseen else []), "leaves")
-    header = ("Effect", "fitted", "probability", *(["removed last"] if opened else []), *of_explanation)
+    header = ("Effect", "fitted (± std)", "probability", *(["removed last"] if opened else []), *of_explanation)
     last = "Removed last: share of the held-out gap that opens without it. " if opened else ""
     held_out = "gain, held out: the same in held-out data, for the first few; " if unseen else ""
     caption = (

@@ -63,7 +63,7 @@ def ranking_table(result: DiagnosisResult) -> Table:
     table.add_column("effect", min_width=20)
     for heading in ("probability", "gain", "leaves"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("fitted", min_width=22)
+    table.add_column("fitted (± std)", min_width=22)
     ranked = first_of_ranking(result, _RANKED)
     for candidate, first in zip(ranked, first_of_explanations(ranked), strict=True):
         left = "-" if candidate.remainder is None else share_words(candidate.remainder)

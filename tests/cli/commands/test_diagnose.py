@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.effects.left_out import RotorInertia
 from flexros.effects.patching.patched_robot import load_patched
@@ -20,6 +21,7 @@ from flexros.gap.result import DiagnosisResult, Explanation
 from flexros.gap.schema import Diagnosis
 from flexros.gap.search.fits import candidate_fits as search
 from flexros.gap.search.fits.candidate_fits import Search
+from flexros.gap.settings import DiagnosisSettings, NoiseSettings
 from flexros.logs.write_log import write_log
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -104,6 +106,36 @@ def test_no_gap_of_a_model_that_lacks_a_number_goes_on_with_the_patch(
     monkeypatch.setattr(diagnosis_module, "diagnose", lambda *of, **by: replace(answer(*of, **by), patch=(rotor,)))
     ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
     assert f"Next: flexros monitor {bag} --model {tmp_path / 'out' / 'patch.yaml'} --calibrate" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("stated", "found", "imported", "expected"),
+    [
+        ("", 0.05, True, None),
+        ("", 0.005, True, "torque=0.005"),
+        ("", 0.0, False, None),
+        ("stiffness=0.03", 0.005, True, "stiffness=0.03"),
+    ],
+    ids=["usual", "torques are better", "simulated", "as it was stated"],
+)
+def test_another_log_is_compared_with_the_tolerances_of_the_diagnosis(
+    flexros, bag: str, tmp_path: Path, answered, monkeypatch, stated: str, found: float, imported: bool, expected
+) -> None:
+    answer, friction = diagnosis_module.diagnose, PlacedEffect(CoulombFriction(level=0.1), "motor_1")
+
+    def explained(record: Record, *of, **by) -> DiagnosisResult:
+        result = answer(replace(record, imported=imported), *of, **by)
+        told = result.diagnosis.model_copy(update={"verdict": "explained"})
+        settings = DiagnosisSettings(noise=NoiseSettings(signal_tolerance=found))
+        return replace(result, diagnosis=told, patch=(friction,), settings=settings)
+
+    monkeypatch.setattr(diagnosis_module, "diagnose", explained)
+    ended = flexros(
+        "diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"),
+        *(["--tolerance", stated] if stated else []),
+    )  # fmt: skip
+    (suggested,) = (line for line in ended.err.splitlines() if line.startswith("Next: flexros gap ANOTHER_LOG"))
+    assert suggested.partition(" --tolerance ")[2] == (expected or "")
 
 
 def test_warnings_are_printed(flexros, bag: str, tmp_path: Path, answered) -> None:
