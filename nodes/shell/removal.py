@@ -10,8 +10,8 @@ from __future__ import annotations
 import ctypes
 import signal
 import threading
-import time
 from contextlib import contextmanager
+from time import CLOCK_MONOTONIC, monotonic, sleep
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -37,9 +37,9 @@ def await_departures(node: Node, partners: Iterable[str]) -> None:
         partners: Names of the nodes that have ended.
     """
     left = set(partners)
-    deadline = time.monotonic() + DEPARTURE_TIMEOUT
-    while left and time.monotonic() < deadline:
-        time.sleep(DEPARTURE_PERIOD)
+    deadline = monotonic() + DEPARTURE_TIMEOUT
+    while left and monotonic() < deadline:
+        sleep(DEPARTURE_PERIOD)
         left &= set(node.get_node_names())
 
 
@@ -79,7 +79,7 @@ def end_within(timeout: float, exit_code: int) -> None:
     end = _EndOfTimer(exit_code, 0, CALLED_IN_A_THREAD, ctypes.cast(system._exit, ctypes.c_void_p))
     timer = ctypes.c_void_p()
     times = _TimerTimes(0, 0, int(timeout), int(timeout % 1.0 * 1e9))
-    if system.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(end), ctypes.byref(timer)) or system.timer_settime(
+    if system.timer_create(CLOCK_MONOTONIC, ctypes.byref(end), ctypes.byref(timer)) or system.timer_settime(
         timer, 0, ctypes.byref(times), None
     ):
         raise OSError(ctypes.get_errno(), "the timer that ends the process cannot be set")

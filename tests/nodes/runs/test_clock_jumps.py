@@ -17,7 +17,7 @@ from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 
 NODES = Path(__file__).parents[3] / "nodes"
-STEADY = {"perf_counter", "perf_counter_ns", "monotonic", "monotonic_ns", "thread_time", "sleep"}
+STEADY = {"perf_counter", "perf_counter_ns", "monotonic", "monotonic_ns", "thread_time", "CLOCK_MONOTONIC", "sleep"}
 NAMES_A_FOLDER = {"launch_plan.py": {"datetime"}}
 
 
