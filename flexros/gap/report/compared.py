@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from flexros.atomic_file import write_result
-from flexros.gap.report.figure_words import closed_words, gap_words, share_words, shows
+from flexros.gap.report.figure_words import gap_closed_words, gap_words, share_words, shows
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.words import capital, effect_words, first_few, listed, location_words, parameter_words
 from flexros.gap.schema import CauseParameter
@@ -43,7 +43,7 @@ def overview(comparison: DiagnosisComparison) -> TextTable:
 
 def _overview_row(name: str, diagnosis: Diagnosis) -> tuple[str, ...]:
     gap = diagnosis.gap
-    closed = _NONE if gap.closed_fraction is None or not shows(gap) else closed_words(gap.closed_fraction)
+    closed = _NONE if gap.closed_fraction is None or not shows(gap) else gap_closed_words(gap)
     after = _NONE if gap.after is None else gap_words(gap.after)
     log = str(diagnosis.provenance.get("log", ""))
     return name, log, diagnosis.verdict.replace("_", " "), gap_words(gap.before), after, closed

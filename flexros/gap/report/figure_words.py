@@ -20,6 +20,8 @@ _CERTAIN = 1.0 - 1e-12
 """Share from which it is all of it but for round-off [1]."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
 """Closed shares between these are stated with a decimal (chosen)."""
+FLOORS_LEFT = 2.0
+"""Floors above which something is left of a gap [1]; `explained` is judged alike (chosen)."""
 _MOST_PLACES, _LARGE = 6, 1e6
 """Values with more decimals, or as large as this, are written with an exponent (chosen)."""
 _SMALL = 0.1
@@ -89,6 +91,17 @@ def closed_words(share: float) -> str:
     """
     share = min(share, 1.0)
     return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else whole_percent(share)
+
+
+def gap_closed_words(gap: GapNumbers) -> str:
+    """Write the share of a gap that is closed, as "over 99.9 %" where it is nearly all but floors are left.
+
+    Args:
+        gap: The gap, with its closed share.
+    """
+    share = math.nan if gap.closed_fraction is None else gap.closed_fraction
+    left = gap.after is not None and gap.after > FLOORS_LEFT * gap.noise_floor
+    return "over 99.9 %" if left and share >= _ALL else closed_words(share)
 
 
 def whole_percent(share: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.figure_words import closed_words, gap_words, interval_words, shows
+from flexros.gap.report.figure_words import gap_closed_words, gap_words, interval_words, shows
 from flexros.gap.report.innovations import innovation_picture
 from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.report.colours import FLOOR, NOMINAL, REPAIRED, RIVAL
@@ -44,7 +44,7 @@ def _sentence(gap: GapNumbers) -> str:
     if gap.closed_fraction is None:
         return text
     within = interval_words(gap.interval).replace("(", "(95 % interval ")
-    return f"{text} The repaired model closes {closed_words(gap.closed_fraction)} of it{within}."
+    return f"{text} The repaired model closes {gap_closed_words(gap)} of it{within}."
 
 
 def _caption(gap: GapNumbers) -> str:

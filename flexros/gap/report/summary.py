@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.answer.order import largest_part
-from flexros.gap.report.figure_words import closed_words, floors_words, gap_words, p_value_words, share_words, shows
+from flexros.gap.report.figure_words import (
+    floors_words,
+    gap_closed_words,
+    gap_words,
+    p_value_words,
+    share_words,
+    shows,
+)
 from flexros.gap.report.verdict import partial_sentence, reported_causes, verdict_lead
 from flexros.gap.report.words import budget_words, capital, named, where_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
@@ -49,7 +56,7 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
         tiles.append(("Gap", gap_words(gap.before), unit, floor))
     else:
         sizes = f"{gap_words(gap.before)} before, {gap_words(gap.after)} after, {floor}"
-        tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", sizes))
+        tiles.append(("Gap closed, held-out data", gap_closed_words(gap).removesuffix(" %"), "%", sizes))
     closed_loop = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
     if closed_loop is not None:
         tiles.append(_closed_loop_tile(closed_loop))

@@ -16,8 +16,8 @@ from flexros.gap.report.budget import (
 )
 from flexros.gap.report.figure_words import (
     band_words,
-    closed_words,
     floors_words,
+    gap_closed_words,
     gap_words,
     interval_words,
     p_value_words,
@@ -162,7 +162,7 @@ def gap_line(gap: GapNumbers) -> str:
     if gap.best_rival is not None:
         parts.append(f"best rival {gap_words(gap.best_rival, 4)}")
     if gap.closed_fraction is not None and shows(gap):
-        parts.append(f"{closed_words(gap.closed_fraction)} closed{interval_words(gap.interval)}")
+        parts.append(f"{gap_closed_words(gap)} closed{interval_words(gap.interval)}")
     return f"Gap ({gap.metric}): {', '.join(parts)}"
 
 

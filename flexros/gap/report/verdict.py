@@ -8,7 +8,7 @@ from flexros.effects.left_out import RotorInertia, ToolLoad
 from flexros.gap.answer.order import shares_of
 from flexros.gap.held_out.closed_share import NOTHING
 from flexros.gap.report.figure_words import (
-    closed_words,
+    gap_closed_words,
     gap_words,
     interval_words,
     p_value_words,
@@ -271,9 +271,7 @@ def _closed(gap: GapNumbers) -> str:
     if gap.closed_fraction <= 0:
         return f"On held-out data the repaired model does not close the gap: {sizes}."
     within = interval_words(gap.interval)
-    return (
-        f"On held-out data the repaired model closes {closed_words(gap.closed_fraction)} of the gap{within}: {sizes}."
-    )
+    return f"On held-out data the repaired model closes {gap_closed_words(gap)} of the gap{within}: {sizes}."
 
 
 def _size(gap: GapNumbers, value: float) -> str:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import pytest
+
 from flexros.gap.report.figure_words import (
     band_words,
     closed_words,
+    gap_closed_words,
     gap_words,
     p_value_words,
     share_interval_words,
     share_words,
     signed_share_words,
 )
+from flexros.gap.schema import GapNumbers
 
 
 def test_bands_without_an_end() -> None:
@@ -31,6 +35,15 @@ def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
     assert share_words(1.0 - 1e-16) == "100 %"  # a sum of probabilities
     assert [closed_words(share) for share in (-0.5, 0.83, 0.9968, 1.4)] == ["\u221250 %", "83 %", "99.7 %", "100 %"]
     assert p_value_words(1e-5) == "p < 0.001"
+
+
+@pytest.mark.parametrize(
+    ("after", "words"), [(0.97, "100 %"), (1.9, "100 %"), (12.0, "over 99.9 %"), (900.0, "99.1 %")]
+)
+def test_not_all_of_a_gap_is_closed_where_floors_are_left(after: float, words: str) -> None:
+    closed = (1e5 - after) / (1e5 - 1.0)
+    gap = GapNumbers(metric="error", unit="1", before=1e5, after=after, noise_floor=1.0, closed_fraction=closed)
+    assert gap_closed_words(gap) == words
 
 
 def test_a_p_value_that_simulated_logs_resolve_no_better_is_a_bound() -> None:
