@@ -9,6 +9,7 @@ import numpy as np
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.bristles import with_bristles
+from flexros.gap.search.elimination.clear_sizes import with_constant_torques
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
 from flexros.gap.search.fits.further import draws_numbers, fitted_with, from_nominal_numbers, with_usual
@@ -61,6 +62,7 @@ def extended(
         further = settings.removed_by_further if search.torques_decide and (number or again) else 0.0
         if further and any(one.widened(name) for one, name in at_limits(chosen)):
             break  # a search that is widened removes what others would imitate
+        chosen = with_constant_torques(search, chosen, fits)
         chosen = with_bristles(search, with_overtones(search, chosen, fits), fits)
         comparison = compared(search, best_of_each(fits))
         if not (incomplete(search, comparison, chosen) or _may_hide(search, comparison)):

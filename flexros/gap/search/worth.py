@@ -11,6 +11,7 @@ from flexros.effects.kinds.curve import AbstractCurve
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.relative_error import AbstractRelativeError
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import simpler
 from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.fit.torques.solution import is_silent
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from flexros.gap.search.fits.additions import Addition
     from flexros.gap.search.fits.candidate_fits import Search
 
+ASYMMETRY = "asymmetry"
+"""Parameter by which friction differs between the directions."""
 FAR = 4.0
 """Deviation of a number of the model over its tolerance from which its error is named [1] (chosen): of some forty
 numbers of an arm one is beyond three now and then."""
@@ -118,6 +121,8 @@ def worth(
         return True
     if search.premises.floor_is_noise and _down_to_noise(search, comparison, before, after):
         return True
+    if search.premises.floor_is_noise and _constant_beside_uneven(before, after):
+        return True
     within_noise = search.premises.floor_is_noise and not more_than_chance(comparison, before)
     return (
         (comparison.removed(before, after) >= removed and not within_noise)
@@ -178,6 +183,22 @@ def _down_to_noise(search: Search, comparison: ModelComparison, before: Candidat
     if more_than_chance(comparison, after):
         return False
     return _beyond_form(search, comparison, before, after, comparison.settings.shaped_form)
+
+
+def is_uneven(candidate: Candidate) -> bool:
+    """Return whether a candidate is friction that may differ by direction."""
+    return any(free.name == ASYMMETRY for free in candidate.free)
+
+
+def _constant_beside_uneven(before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether all that an explanation has beyond another one is a constant torque beside uneven friction.
+
+    The asymmetry takes up most of such a torque: what the torque removes beside it says nothing, but it gains more
+    than by chance.
+    """
+    further = [one for one in after.hypothesis if one.name not in before.names]
+    uneven = {one.location for one in before.hypothesis if is_uneven(one)}
+    return bool(further) and all(one.effect is TorqueBias and one.location in uneven for one in further)
 
 
 def _completes(comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:

@@ -45,6 +45,7 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     taken: list[str] = []
     nothing = SimpleNamespace(score=lambda one: 0.0, threshold=0.0)
     patches = {
+        "with_constant_torques": lambda _search, one, _fits: one,
         "with_bristles": lambda _search, one, _fits: one,
         "with_overtones": lambda _search, one, _fits: one,
         "compared": lambda *_: nothing,

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import alike
 from flexros.gap.fit.estimates import clearness, parameters_of, sizes_of
 from flexros.gap.search.elimination.reduce import reduced
-from flexros.gap.search.worth import compared, more_than_chance
+from flexros.gap.search.worth import ASYMMETRY, compared, is_uneven, more_than_chance, worth
 
 if TYPE_CHECKING:
-    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.candidate_fit import CandidateFit
     from flexros.gap.search.fits.candidate_fits import Search
-
-ASYMMETRY = "asymmetry"
-"""Parameter by which friction differs between the directions."""
 
 
 def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -28,18 +25,45 @@ def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) 
     """
     whole = {candidate.name: candidate for candidate in search.candidates()}
     every = tuple(whole.get(candidate.name, candidate) for candidate in fit.hypothesis)
-    if not any(_uneven(candidate) for candidate in every):
+    if not any(is_uneven(candidate) for candidate in every):
         return fit
     found = parameters_of(search.reshaped(fit, every), search.data)
     clear = search.settings.search.clear_asymmetry
     kept = tuple(
-        wide if _uneven(wide) and abs(sizes[ASYMMETRY].value) > clear * sizes[ASYMMETRY].std else narrow
+        wide if is_uneven(wide) and abs(sizes[ASYMMETRY].value) > clear * sizes[ASYMMETRY].std else narrow
         for wide, narrow, sizes in zip(every, fit.hypothesis, found, strict=True)
     )
     if kept == fit.hypothesis:
         return fit
     fits.append(search.reshaped(fit, kept))
     return fits[-1]
+
+
+def with_constant_torques(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Add a constant torque to a motor whose friction differs by direction, in a simulated log.
+
+    A motion that favours one direction no more than the other tells the two apart by the speed alone. Without the
+    constant torque the asymmetry takes up most of it, and a slow ripple the rest.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    uneven = {one.location for one in fit.hypothesis if is_uneven(one)}
+    lacking = [
+        one
+        for one in search.candidates()
+        if one.effect is TorqueBias and one.location in uneven and one.name not in fit.names
+    ]
+    if not search.premises.library_is_complete or not lacking or search.deadline.stops():
+        return fit
+    for addition in search.additions(search.directions(lacking, fit), fit, search.surroundings(fit)):
+        beside = search.completed(search.together(fit, [addition]))
+        if worth(search, compared(search, [fit, beside]), fit, beside, search.settings.search.removed):
+            fits.append(beside)
+            fit = beside
+    return fit
 
 
 def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
@@ -130,7 +154,3 @@ def _clear_by(search: Search, fit: CandidateFit) -> dict[str, float]:
     """Return by how many standard deviations, with errors of form, the size of each effect of a fit is not zero [1]."""
     found = zip(fit.hypothesis, parameters_of(fit, search.data, search.settings.ranking), strict=True)
     return {one.name: clearness(sizes[free.name] for free in sizes_of(one)) for one, sizes in found}
-
-
-def _uneven(candidate: Candidate) -> bool:
-    return any(free.name == ASYMMETRY for free in candidate.free)
