@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.kinds.curve import AbstractCurve
+from flexros.gap.candidates.candidate import simpler
 from flexros.gap.fit.uncertainty.between_logs import with_variation_between_logs
 from flexros.gap.fit.uncertainty.covariance import fit_covariance, inverse_of
 from flexros.gap.schema import CauseParameter
@@ -90,11 +92,17 @@ def sizes_of(candidate: Candidate) -> tuple[FreeParameter, ...]:
 
 
 def beyond_search(fit: CandidateFit) -> frozenset[str]:
-    """Return the effects of a fit, effect@location, of which a size ended at the limit of its search: no findings."""
+    """Return the effects of a fit, effect@location, of which a size ended at the limit of its search: no findings.
+
+    A law that a curve extends is one value of it, here and there: what all values are together counts. Without
+    Coulomb friction the patch of a leg had negative friction, by a curve over position that began from there.
+    """
+    curves = [one for one in fit.hypothesis if issubclass(one.effect, AbstractCurve)]
+    within = frozenset[str]().union(*(simpler(one) for one in curves))
     return frozenset(
         candidate.name
         for candidate, values in zip(fit.hypothesis, fit.predictor.values(fit.theta), strict=True)
-        if candidate.at_limit(values) & {free.name for free in sizes_of(candidate)}
+        if candidate.name not in within and candidate.at_limit(values) & {free.name for free in sizes_of(candidate)}
     )
 
 

@@ -9,10 +9,20 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, effects
+from flexros.effects.friction.friction_over_position import FrictionOverPosition
+from flexros.effects.kinds.curve import AbstractCurve
+from flexros.effects.torque_curve import TorqueCurve
 from flexros.gap.candidates.candidate import Candidate, free_parameter
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.candidate_fit import CandidateFit
-from flexros.gap.fit.estimates import clearness, covariance_of, parameters_of, placed_effects, unit_of_parameter
+from flexros.gap.fit.estimates import (
+    beyond_search,
+    clearness,
+    covariance_of,
+    parameters_of,
+    placed_effects,
+    unit_of_parameter,
+)
 from flexros.gap.fit.initial_values import initial_values
 from flexros.gap.fit.least_squares import fit
 from flexros.gap.fit.sum_of_squares import chi2_of
@@ -43,6 +53,20 @@ def test_effects_have_their_numbers(fitted: CandidateFit) -> None:
     assert friction["level"].value == pytest.approx(0.05)
     assert (friction["level"].unit, soft["relative"].unit) == ("Nm", "1")
     assert soft["relative"].value == pytest.approx(-0.1)
+
+
+@pytest.mark.parametrize(
+    ("curve", "size", "finding"), [(FrictionOverPosition, "level_2", True), (TorqueCurve, "torque_2", False)]
+)
+def test_a_law_at_a_limit_is_a_value_of_the_curve_that_extends_it(
+    curve: type[AbstractCurve], size: str, finding: bool
+) -> None:
+    """Left out of the patch of a leg, it had left negative friction there."""
+    friction = candidates_of()["coulomb_friction@motor_1"]
+    beside = Candidate(curve, "motor_1", (replace(friction.free[0], name=size, signed=True),))
+    theta = np.array([*encoded(friction, level=friction.free[0].high), 0.0])
+    found = beyond_search(CandidateFit(predictor_of(friction, beside), theta, 0.0))
+    assert found == (set() if finding else {friction.name})
 
 
 def test_deviations_are_in_the_units_of_the_numbers(fitted: CandidateFit) -> None:
