@@ -8,6 +8,7 @@ import io
 import json
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -303,3 +304,7 @@ def test_case_is_run_step_by_step(tmp_path: Path) -> None:
     result.write_text(json.dumps(found), encoding="utf-8")
     program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5, patience=1.0).all_steps()
     assert json.loads(result.read_text(encoding="utf-8")) == found
+    shutil.rmtree(tmp_path / "work" / "rigid")  # of another run: the friction alone would stand for its robot
+    program("real_robots_run").Run(case, DATA, tmp_path / "work", result, limit=0.5, patience=1.0).all_steps()
+    assert json.loads(result.read_text(encoding="utf-8"))["least_squares"]["torque_error_percent"] > 0
+    assert (tmp_path / "work" / "rigid" / "identified.yaml").is_file()

@@ -109,6 +109,8 @@ class Run:
         for name, files in {"fitted": self.case.fitted, **self.case.further}.items():
             self._import(name, files)
         self._step("diagnosis", self.diagnosis)
+        if self.found.get("least_squares", {}).get("friction") and not (self.work / "rigid").is_dir():
+            del self.found["least_squares"]  # the robot that it identified is in the folder of another run
         self._step("least_squares", self.least_squares)
         if self.found.get("mujoco", {}).get("skipped") in ABSENT:  # it may have been installed since
             del self.found["mujoco"]

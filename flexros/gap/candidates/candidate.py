@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from flexros.gap.candidates.scales import Scales
     from flexros.robot import Robot
 
+ASYMMETRY = "asymmetry"
+"""Parameter by which friction differs between the directions."""
+
 
 AT_LIMIT = 1e-3
 """Distance from a limit of the search, over the whole range in the unit of the fit, that counts as at the limit [1]."""
@@ -234,6 +237,11 @@ Hypothesis = tuple[Candidate, ...]
 def simpler(candidate: Candidate) -> frozenset[str]:
     """Return the names of the candidates at the same location that a candidate extends."""
     return frozenset(f"{name}@{candidate.location}" for name in candidate.effect.extends)
+
+
+def is_uneven(candidate: Candidate) -> bool:
+    """Return whether a candidate is friction that may differ by direction."""
+    return any(free.name == ASYMMETRY for free in candidate.free)
 
 
 def alike(one: Candidate, other: Candidate) -> bool:

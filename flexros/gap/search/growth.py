@@ -9,10 +9,15 @@ import numpy as np
 from flexros.gap.fit.candidate_fit import best_of_each
 from flexros.gap.fit.limits import at_limits
 from flexros.gap.search.bristles import with_bristles
-from flexros.gap.search.elimination.clear_sizes import with_constant_torques
 from flexros.gap.search.elimination.reduce import reduced
 from flexros.gap.search.exchange import corrected, exchanged
-from flexros.gap.search.fits.further import draws_numbers, fitted_with, from_nominal_numbers, with_usual
+from flexros.gap.search.fits.further import (
+    draws_numbers,
+    fitted_with,
+    from_nominal_numbers,
+    with_constant_torques,
+    with_usual,
+)
 from flexros.gap.search.periodic.overtones import with_overtones
 from flexros.gap.search.regrouping import regrouped
 from flexros.gap.search.worth import (

@@ -12,7 +12,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.effects.kinds.relative_error import AbstractRelativeError
 from flexros.effects.torque_bias import TorqueBias
-from flexros.gap.candidates.candidate import simpler
+from flexros.gap.candidates.candidate import is_uneven, simpler
 from flexros.gap.fit.tolerance_takeover import takeover
 from flexros.gap.fit.torques.solution import is_silent
 from flexros.gap.fit.uncertainty.constancy import constancies
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from flexros.gap.search.fits.additions import Addition
     from flexros.gap.search.fits.candidate_fits import Search
 
-ASYMMETRY = "asymmetry"
-"""Parameter by which friction differs between the directions."""
 FAR = 4.0
 """Deviation of a number of the model over its tolerance from which its error is named [1] (chosen): of some forty
 numbers of an arm one is beyond three now and then."""
@@ -183,11 +181,6 @@ def _down_to_noise(search: Search, comparison: ModelComparison, before: Candidat
     if more_than_chance(comparison, after):
         return False
     return _beyond_form(search, comparison, before, after, comparison.settings.shaped_form)
-
-
-def is_uneven(candidate: Candidate) -> bool:
-    """Return whether a candidate is friction that may differ by direction."""
-    return any(free.name == ASYMMETRY for free in candidate.free)
 
 
 def _constant_beside_uneven(before: CandidateFit, after: CandidateFit) -> bool:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.effects.torque_bias import TorqueBias
-from flexros.gap.candidates.candidate import alike
+from flexros.gap.candidates.candidate import ASYMMETRY, alike, is_uneven
 from flexros.gap.fit.estimates import clearness, parameters_of, sizes_of
 from flexros.gap.search.elimination.reduce import reduced
-from flexros.gap.search.worth import ASYMMETRY, compared, is_uneven, more_than_chance, worth
+from flexros.gap.search.worth import compared, more_than_chance
 
 if TYPE_CHECKING:
     from flexros.gap.fit.candidate_fit import CandidateFit
@@ -37,33 +36,6 @@ def with_asymmetry(search: Search, fit: CandidateFit, fits: list[CandidateFit]) 
         return fit
     fits.append(search.reshaped(fit, kept))
     return fits[-1]
-
-
-def with_constant_torques(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
-    """Add a constant torque to a motor whose friction differs by direction, in a simulated log.
-
-    A motion that favours one direction no more than the other tells the two apart by the speed alone. Without the
-    constant torque the asymmetry takes up most of it, and a slow ripple the rest.
-
-    Args:
-        search: The search.
-        fit: The explanation.
-        fits: All fits so far; new ones are appended.
-    """
-    uneven = {one.location for one in fit.hypothesis if is_uneven(one)}
-    lacking = [
-        one
-        for one in search.candidates()
-        if one.effect is TorqueBias and one.location in uneven and one.name not in fit.names
-    ]
-    if not search.premises.library_is_complete or not lacking or search.deadline.stops():
-        return fit
-    for addition in search.additions(search.directions(lacking, fit), fit, search.surroundings(fit)):
-        beside = search.completed(search.together(fit, [addition]))
-        if worth(search, compared(search, [fit, beside]), fit, beside, search.settings.search.removed):
-            fits.append(beside)
-            fit = beside
-    return fit
 
 
 def with_dropped(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:

@@ -9,8 +9,9 @@ import numpy as np
 from flexros.effects.friction.coulomb_friction import CoulombFriction
 from flexros.effects.friction.viscous_friction import ViscousFriction
 from flexros.effects.torque_bias import TorqueBias
+from flexros.gap.candidates.candidate import is_uneven
 from flexros.gap.fit.limits import ended_at_last
-from flexros.gap.search.worth import compared
+from flexros.gap.search.worth import compared, worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,3 +110,30 @@ def _without_ended(search: Search, fit: CandidateFit, grown: CandidateFit) -> Ca
     if ended == further:
         return None
     return search.without(grown, *ended) if ended else grown
+
+
+def with_constant_torques(search: Search, fit: CandidateFit, fits: list[CandidateFit]) -> CandidateFit:
+    """Add a constant torque to a motor whose friction differs by direction, in a simulated log.
+
+    A motion that favours one direction no more than the other tells the two apart by the speed alone. Without the
+    constant torque the asymmetry takes up most of it, and a slow ripple the rest.
+
+    Args:
+        search: The search.
+        fit: The explanation.
+        fits: All fits so far; new ones are appended.
+    """
+    uneven = {one.location for one in fit.hypothesis if is_uneven(one)}
+    lacking = [
+        one
+        for one in search.candidates()
+        if one.effect is TorqueBias and one.location in uneven and one.name not in fit.names
+    ]
+    if not search.premises.library_is_complete or not lacking or search.deadline.stops():
+        return fit
+    for addition in search.additions(search.directions(lacking, fit), fit, search.surroundings(fit)):
+        beside = search.completed(search.together(fit, [addition]))
+        if worth(search, compared(search, [fit, beside]), fit, beside, search.settings.search.removed):
+            fits.append(beside)
+            fit = beside
+    return fit

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from flexros.gap.fit.estimates import parameters_of
-from flexros.gap.search.elimination.clear_sizes import with_constant_torques
 from flexros.gap.search.fits.candidate_fits import Search
+from flexros.gap.search.fits.further import with_constant_torques
 from tests.gap.diagnosis_logs import candidates_of, search_of
 
 pytestmark = pytest.mark.slow
